@@ -1,0 +1,1 @@
+"""Stages wired to robots: one Diagram subclass a file, no algorithm here."""

@@ -1,0 +1,12 @@
+"""Robot, camera and object models: one folder each, with the source of every figure in its README."""
+
+from importlib.resources import files
+from pathlib import Path
+
+
+def model_path(relative: str) -> Path:
+    """Path of a file of this package, e.g. ``model_path("puma560/puma560.urdf")``."""
+    path = Path(str(files("vipr.models"))) / relative
+    if not path.exists():
+        raise FileNotFoundError(f"vipr.models has no {relative!r}")
+    return path

@@ -1,0 +1,1 @@
+"""Scenarios, the `vipr` command, experiments and benchmarks."""

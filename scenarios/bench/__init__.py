@@ -1,0 +1,1 @@
+"""Benchmarks: `vipr bench NAME` prints the tables that stand in the README."""

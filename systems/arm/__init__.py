@@ -1,0 +1,1 @@
+"""Twists of the hand to joint commands within the arm's limits."""

@@ -1,0 +1,1 @@
+"""The camera: lens model, image imperfections, recorded video."""

@@ -1,0 +1,1 @@
+"""Trajectories to named gestures: segmentation, hidden Markov models, recogniser."""

@@ -1,0 +1,1 @@
+"""The Barrett Hand: transmission, TorqueSwitch, driver."""

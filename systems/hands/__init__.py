@@ -1,0 +1,1 @@
+"""Kalman tracks of the face and two hands."""

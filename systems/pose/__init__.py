@@ -1,0 +1,1 @@
+"""Pose from points: POSIT, Lowe, the fully projective refinement."""

@@ -1,0 +1,97 @@
+"""Rigid motions as 4x4 arrays X_AB and twists ordered (w, v), as Drake orders them.
+
+Frames: ``X_AB`` takes coordinates in B to coordinates in A. A twist ``V`` is ``[wx wy wz vx vy vz]`` in rad/s and m/s (or rad
+and m for a displacement). Servo papers order (v, w); conversion happens at their formulas only.
+"""
+
+import numpy as np
+
+
+def skew(w: np.ndarray) -> np.ndarray:
+    """The matrix ``[w]x`` with ``[w]x p = w x p``; w (3,) gives (3, 3)."""
+    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+
+
+def pose(R: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """4x4 pose of rotation R (3, 3) and translation p (3,) [m]."""
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = R, p
+    return X
+
+
+def inverse(X_AB: np.ndarray) -> np.ndarray:
+    """X_BA."""
+    R_BA = X_AB[:3, :3].T
+    return pose(R_BA, -R_BA @ X_AB[:3, 3])
+
+
+def exp_so3(w: np.ndarray) -> np.ndarray:
+    """Rotation by the rotation vector w [rad] (Rodrigues)."""
+    a2 = float(w @ w)
+    W = skew(w)
+    if a2 < 1e-12:
+        return np.eye(3) + W + 0.5 * W @ W
+    a = np.sqrt(a2)
+    return np.eye(3) + (np.sin(a) / a) * W + ((1.0 - np.cos(a)) / a2) * W @ W
+
+
+def log_so3(R: np.ndarray) -> np.ndarray:
+    """Rotation vector [rad], |w| <= pi, of a rotation matrix."""
+    axis_sin = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    sin, cos = np.linalg.norm(axis_sin), 0.5 * (np.trace(R) - 1.0)
+    angle = np.arctan2(sin, cos)
+    if sin > 1e-6:
+        return axis_sin * (angle / sin)
+    if cos > 0:
+        return axis_sin
+    # Near pi: the axis is the eigenvector of (R + R^T)/2 with the largest eigenvalue.
+    values, vectors = np.linalg.eigh(0.5 * (R + R.T))
+    axis = vectors[:, np.argmax(values)]
+    return angle * axis * (1.0 if axis @ axis_sin >= 0 else -1.0)
+
+
+def _left_jacobian(w: np.ndarray) -> np.ndarray:
+    a2 = float(w @ w)
+    W = skew(w)
+    if a2 < 1e-10:
+        return np.eye(3) + 0.5 * W + W @ W / 6.0
+    a = np.sqrt(a2)
+    return np.eye(3) + ((1.0 - np.cos(a)) / a2) * W + ((a - np.sin(a)) / (a2 * a)) * W @ W
+
+
+def exp(V: np.ndarray) -> np.ndarray:
+    """Pose reached in unit time at the constant twist V = (w, v)."""
+    V = np.asarray(V, float)
+    return pose(exp_so3(V[:3]), _left_jacobian(V[:3]) @ V[3:])
+
+
+def log(X: np.ndarray) -> np.ndarray:
+    """Twist (w, v) that reaches X in unit time: ``exp(log(X)) == X``."""
+    w = log_so3(X[:3, :3])
+    return np.concatenate([w, np.linalg.solve(_left_jacobian(w), X[:3, 3])])
+
+
+def adjoint(X_AB: np.ndarray) -> np.ndarray:
+    """(6, 6) matrix that takes a twist (w, v) of one body at B, in B, to the same body's twist at A, in A."""
+    R = X_AB[:3, :3]
+    A = np.zeros((6, 6))
+    A[:3, :3] = A[3:, 3:] = R
+    A[3:, :3] = skew(X_AB[:3, 3]) @ R
+    return A
+
+
+def angle_between(R_A: np.ndarray, R_B: np.ndarray) -> float:
+    """Angle [rad] of the rotation from R_A to R_B."""
+    return float(np.linalg.norm(log_so3(R_A[:3, :3].T @ R_B[:3, :3])))
+
+
+def is_pose(X: np.ndarray, tolerance: float = 1e-3) -> bool:
+    """Whether X is a finite 4x4 rigid motion to the tolerance."""
+    X = np.asarray(X)
+    return bool(
+        X.shape == (4, 4)
+        and np.isfinite(X).all()
+        and np.allclose(X[3], [0, 0, 0, 1], atol=tolerance)
+        and np.allclose(X[:3, :3] @ X[:3, :3].T, np.eye(3), atol=tolerance)
+        and np.linalg.det(X[:3, :3]) > 0
+    )

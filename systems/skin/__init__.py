@@ -1,0 +1,1 @@
+"""Skin colour: chromaticity, locus, density, regions."""

@@ -1,0 +1,1 @@
+"""Model-based tracking: visible edges, normal flow, affine fit, gradient fit."""

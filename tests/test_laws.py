@@ -1,0 +1,36 @@
+"""Every system of VIPR, held against the laws."""
+
+import laws
+import numpy as np
+import pytest
+from examples import EXAMPLES
+from pydrake.systems.framework import Diagram, LeafSystem
+
+TIMES = np.arange(1, 9) * 0.04 + 0.001
+
+
+@pytest.mark.parametrize("cls", laws.systems(LeafSystem), ids=lambda cls: cls.__name__)
+class TestLeafSystem:
+    def test_has_an_example(self, cls):
+        assert cls in EXAMPLES, f"{cls.__name__} needs an example in tests/systems/<stage>/examples.py"
+
+    def test_ports_are_documented(self, cls):
+        laws.assert_ports_documented(EXAMPLES[cls]()[0])
+
+    def test_is_context_pure_and_deterministic(self, cls):
+        laws.assert_context_pure_and_deterministic(EXAMPLES[cls], TIMES)
+
+
+@pytest.mark.parametrize("cls", laws.systems(Diagram), ids=lambda cls: cls.__name__)
+class TestDiagram:
+    def test_has_an_example(self, cls):
+        assert cls in EXAMPLES, f"{cls.__name__} needs an example in tests/diagrams/examples.py"
+
+    def test_ports_are_documented(self, cls):
+        laws.assert_ports_documented(EXAMPLES[cls]()[0])
+
+    def test_wires_are_typed(self, cls):
+        laws.assert_wires_typed(EXAMPLES[cls]()[0])
+
+    def test_no_truth_reaches_a_controller(self, cls):
+        laws.assert_no_truth_reaches_a_controller(EXAMPLES[cls]()[0])
