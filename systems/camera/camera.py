@@ -1,0 +1,57 @@
+"""The camera as a stage: exposes a rendered picture at its own clock."""
+
+import cv2
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.systems.framework import LeafSystem
+from pydrake.systems.sensors import ImageRgba8U
+
+from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
+from vipr.systems.signals import CameraFrame
+from vipr.systems.timing import LEDGER
+
+
+class Camera(LeafSystem):
+    """Takes a picture at each tick, with the imperfections of a real camera.
+
+    .. pydrake_system::
+
+        name: Camera
+        input_ports:
+        - color_image
+        output_ports:
+        - frame
+
+    ``color_image`` is Drake's rendered ImageRgba8U, evaluated (and so rendered) at the ticks only. ``frame`` (CameraFrame, BGR) holds
+    the last tick's picture; before the first tick, and after a tick whose frame is dropped, its image is empty. Same seed, same bytes.
+    """
+
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        *,
+        imperfection: Imperfection = Imperfection(),
+        seed: int = 0,
+        period: float = 0.04,
+        offset: float = 0.0,
+    ):
+        super().__init__()
+        self._electronics = ImperfectCamera(imperfection, width, height, seed)
+        self._period, self._offset = period, offset
+        self._picture = self.DeclareAbstractInputPort("color_image", Value(ImageRgba8U(width, height)))
+        state = self.DeclareAbstractState(Value(CameraFrame()))
+        self._frame = state
+        self.DeclareStateOutputPort("frame", state)
+        self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, self._update)
+
+    def _update(self, context, state):
+        number = round((context.get_time() - self._offset) / self._period)
+        image = np.zeros((0, 0, 3), np.uint8)
+        if not self._electronics.drops(number):
+            with LEDGER.charge("render"):
+                rendered = self._picture.Eval(context)
+            with LEDGER.charge("camera"):
+                image = self._electronics.expose(cv2.cvtColor(rendered.data, cv2.COLOR_RGBA2BGR), number)
+        frame = CameraFrame(image=image, time=context.get_time(), number=number)
+        state.get_mutable_abstract_state(self._frame).set_value(frame)
