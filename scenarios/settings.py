@@ -10,7 +10,6 @@ from typing import Any, get_type_hints
 
 import yaml
 from pydantic import TypeAdapter, ValidationError
-
 from vipr.systems.errors import InputError
 
 
@@ -64,5 +63,7 @@ def _check_keys(schema: type, values: Any, prefix: str) -> None:
         if key not in hints:
             near = difflib.get_close_matches(str(key), hints, n=1)
             hint = f" Did you mean {prefix}{near[0]}?" if near else ""
-            raise InputError(f"unknown setting {prefix}{key}; allowed are {', '.join(prefix + name for name in hints)}.{hint}")
+            raise InputError(
+                f"unknown setting {prefix}{key}; allowed are {', '.join(prefix + name for name in hints)}.{hint}"
+            )
         _check_keys(hints[key], value, f"{prefix}{key}.")

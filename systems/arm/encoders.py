@@ -2,7 +2,6 @@
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, LeafSystem
-
 from vipr.systems.errors import InputError
 
 

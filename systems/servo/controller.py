@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, LeafSystem
-
 from vipr.systems import se3
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.errors import InputError
@@ -61,7 +60,9 @@ class PositionBasedServo(LeafSystem):
         super().__init__()
         for name, X in (("X_WC", X_WC), ("X_OG", X_OG)):
             if not se3.is_pose(X):
-                raise InputError(f"servo: {name} must be a rigid 4x4 pose, got {np.array2string(np.asarray(X), precision=3)}")
+                raise InputError(
+                    f"servo: {name} must be a rigid 4x4 pose, got {np.array2string(np.asarray(X), precision=3)}"
+                )
         self._arm, self._X_WC, self._X_OG = arm, np.asarray(X_WC, float), np.asarray(X_OG, float)
         self._law, self._motion, self._patience = law, motion, patience
         self._n = len(arm.d)

@@ -6,7 +6,6 @@ Frames: W world, E the hand, O the object, G the goal of E. Twists are (w, v) of
 from dataclasses import dataclass
 
 import numpy as np
-
 from vipr.systems import se3
 from vipr.systems.errors import InputError
 

@@ -7,7 +7,6 @@ the world, (12, 12); the motion model is white angular and linear acceleration.
 from dataclasses import dataclass, field
 
 import numpy as np
-
 from vipr.systems import se3
 from vipr.systems.errors import InputError
 
@@ -47,7 +46,9 @@ def predict_pose(belief: TargetBelief, time: float) -> np.ndarray:
     return se3.pose(se3.exp_so3(dt * belief.V_WO[:3]) @ belief.X_WO[:3, :3], belief.X_WO[:3, 3] + dt * belief.V_WO[3:])
 
 
-def update(belief: TargetBelief, X_WO: np.ndarray, covariance: np.ndarray, time: float, motion: TargetMotion) -> TargetBelief:
+def update(
+    belief: TargetBelief, X_WO: np.ndarray, covariance: np.ndarray, time: float, motion: TargetMotion
+) -> TargetBelief:
     """The belief after one pose measurement with covariance (6, 6) of (rotation, translation) in the world, taken at ``time`` [s]."""
     R = np.array(covariance, float)
     floor = np.repeat([motion.least_rotation_noise, motion.least_position_noise], 3) ** 2

@@ -1,0 +1,32 @@
+"""Examples of the servo's systems for the laws."""
+
+import numpy as np
+from pydrake.common.value import Value
+from vipr.systems import se3
+from vipr.systems.arm.kinematics import SerialArm
+from vipr.systems.servo.controller import PositionBasedServo
+from vipr.systems.signals import ObjectPose
+
+ARM = SerialArm(
+    d=np.array([0.67, 0, 0.15, 0.43, 0, 0]),
+    a=np.array([0, 0.43, 0.02, 0, 0, 0]),
+    alpha=np.deg2rad([90, 0, -90, 90, -90, 0]),
+)
+Q = np.array([0.1, 0.8, -2.5, 0.1, 0.9, 0.2])
+
+
+def servo():
+    X_OG = ARM.tool_pose(Q)  # with camera and object at the world's origin, the arm is at its goal
+    system = PositionBasedServo(ARM, np.eye(4), X_OG)
+
+    def fix(context, t):
+        seen = ObjectPose(
+            X_CO=se3.exp(np.array([0, 0, 0, 0.1 * t, 0, 0])), covariance=1e-6 * np.eye(6), state="tracking", time=t
+        )
+        system.GetInputPort("object_pose").FixValue(context, Value(seen))
+        system.GetInputPort("joint_state").FixValue(context, np.concatenate([Q, np.zeros(6)]))
+
+    return system, fix
+
+
+EXAMPLES = {PositionBasedServo: servo}
