@@ -80,6 +80,11 @@ def adjoint(X_AB: np.ndarray) -> np.ndarray:
     return A
 
 
+def difference(X_WA: np.ndarray, X_WB: np.ndarray) -> np.ndarray:
+    """(6,): rotation vector theta u [rad] and translation [m] that take pose A to pose B, both expressed in W."""
+    return np.concatenate([log_so3(X_WB[:3, :3] @ X_WA[:3, :3].T), X_WB[:3, 3] - X_WA[:3, 3]])
+
+
 def angle_between(R_A: np.ndarray, R_B: np.ndarray) -> float:
     """Angle [rad] of the rotation from R_A to R_B."""
     return float(np.linalg.norm(log_so3(R_A[:3, :3].T @ R_B[:3, :3])))

@@ -8,7 +8,7 @@ from pydrake.systems.framework import BasicVector, LeafSystem
 from vipr.systems import se3
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.errors import InputError
-from vipr.systems.servo.position_based import PositionBased, carried_twist, pose_error, servo_twist
+from vipr.systems.servo.position_based import PositionBased, carried_twist, servo_twist
 from vipr.systems.servo.target_filter import TargetBelief, TargetMotion, predict_pose, update
 from vipr.systems.signals import ObjectPose, Signal
 from vipr.systems.timing import LEDGER
@@ -92,7 +92,7 @@ class PositionBasedServo(LeafSystem):
             return held
         X_WO = predict_pose(target, now)
         X_WG = X_WO @ self._X_OG
-        error = pose_error(self._arm.tool_pose(q), X_WG)
+        error = se3.difference(self._arm.tool_pose(q), X_WG)
         V_WE = np.zeros(6)
         if now - target.time <= self._patience:
             V_WE = servo_twist(error, carried_twist(target.V_WO, X_WG[:3, 3] - X_WO[:3, 3]), self._law)

@@ -6,7 +6,6 @@ Frames: W world, E the hand, O the object, G the goal of E. Twists are (w, v) of
 from dataclasses import dataclass
 
 import numpy as np
-from vipr.systems import se3
 from vipr.systems.errors import InputError
 
 
@@ -25,18 +24,13 @@ class PositionBased:
                 raise InputError(f"servo: {name} must be positive, got {getattr(self, name)}")
 
 
-def pose_error(X_WE: np.ndarray, X_WG: np.ndarray) -> np.ndarray:
-    """(6,): rotation vector theta u [rad] and translation [m] from E to its goal, expressed in W."""
-    return np.concatenate([se3.log_so3(X_WG[:3, :3] @ X_WE[:3, :3].T), X_WG[:3, 3] - X_WE[:3, 3]])
-
-
 def carried_twist(V_WO: np.ndarray, p_OG_W: np.ndarray) -> np.ndarray:
     """Twist (w, v) of a goal that the object carries at p_OG_W [m] from its origin."""
     return np.concatenate([V_WO[:3], V_WO[3:] + np.cross(V_WO[:3], p_OG_W)])
 
 
 def servo_twist(error: np.ndarray, V_WG: np.ndarray, law: PositionBased) -> np.ndarray:
-    """V_WE = lambda error + V_WG: translation on a straight line, rotation about a fixed axis, both within the speed limits.
+    """V_WE = lambda error + V_WG for the error ``se3.difference(X_WE, X_WG)``: translation on a straight line, rotation about a fixed axis, both within the speed limits.
 
     The limits shorten the correction and keep its direction; the feed-forward is limited only with the sum.
     """

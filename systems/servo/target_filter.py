@@ -65,7 +65,7 @@ def update(
     Q = np.block([[np.diag(q * dt**4 / 4), np.diag(q * dt**3 / 2)], [np.diag(q * dt**3 / 2), np.diag(q * dt**2)]])
     P = F @ belief.P @ F.T + Q
     X = predict_pose(belief, time)
-    innovation = np.concatenate([se3.log_so3(X_WO[:3, :3] @ X[:3, :3].T), X_WO[:3, 3] - X[:3, 3]])
+    innovation = se3.difference(X, X_WO)
     K = np.linalg.solve(P[:6, :6] + R, P[:6]).T
     change = K @ innovation
     P = P - K @ P[:6]
