@@ -111,7 +111,7 @@ def assert_no_truth_reaches_a_controller(diagram):
     for level in sub_diagrams(diagram):
         edges = {}
         for (reader, i), (writer, o) in level.connection_map().items():
-            edges.setdefault((writer, o), []).append((reader, i))
+            edges.setdefault((writer, int(o)), []).append((reader, i))
         reached = [
             (s, o, f"{s.get_name()}.{s.get_output_port(o).get_name()}")
             for s in level.GetSystems()

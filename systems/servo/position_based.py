@@ -30,9 +30,10 @@ def carried_twist(V_WO: np.ndarray, p_OG_W: np.ndarray) -> np.ndarray:
 
 
 def servo_twist(error: np.ndarray, V_WG: np.ndarray, law: PositionBased) -> np.ndarray:
-    """V_WE = lambda error + V_WG for the error ``se3.difference(X_WE, X_WG)``: translation on a straight line, rotation about a fixed axis, both within the speed limits.
+    """V_WE = lambda error + V_WG for the error ``se3.difference(X_WE, X_WG)``, within the speed limits.
 
-    The limits shorten the correction and keep its direction; the feed-forward is limited only with the sum.
+    Translation goes on a straight line, rotation about a fixed axis. The limits shorten the correction and keep its direction;
+    the feed-forward is limited only with the sum.
     """
     correction = law.gain * error
     over = max(np.linalg.norm(correction[:3]) / law.max_turn, np.linalg.norm(correction[3:]) / law.max_speed, 1.0)
