@@ -20,8 +20,19 @@ def out_and_back(
         a trajectory of n positions with continuous velocity; its end is when the motion ends.
     """
     if min(cruise, ramp) <= 0 or begin < 0 or pause < 0:
-        raise InputError(f"motion: times must be positive, got begin {begin}, cruise {cruise}, ramp {ramp}, pause {pause} s")
-    shape = [(begin, 0.0), (ramp, 1.0), (cruise, 1.0), (ramp, 0.0), (pause, 0.0), (ramp, -1.0), (cruise, -1.0), (ramp, 0.0)]
+        raise InputError(
+            f"motion: times must be positive, got begin {begin}, cruise {cruise}, ramp {ramp}, pause {pause} s"
+        )
+    shape = [
+        (begin, 0.0),
+        (ramp, 1.0),
+        (cruise, 1.0),
+        (ramp, 0.0),
+        (pause, 0.0),
+        (ramp, -1.0),
+        (cruise, -1.0),
+        (ramp, 0.0),
+    ]
     shape = [(duration, factor) for duration, factor in shape if duration > 0]
     times = np.cumsum([0.0, *(duration for duration, _ in shape)])
     factors = np.array([0.0, *(factor for _, factor in shape)])

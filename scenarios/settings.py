@@ -10,6 +10,7 @@ from typing import Any, get_type_hints
 
 import yaml
 from pydantic import TypeAdapter, ValidationError
+
 from vipr.systems.errors import InputError
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, LeafSystem
+
 from vipr.systems import se3
 from vipr.systems.signals import ObjectPose
 

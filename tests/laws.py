@@ -10,11 +10,12 @@ import pkgutil
 import re
 
 import numpy as np
-import vipr.diagrams
-import vipr.systems
 import yaml
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Diagram, LeafSystem, PortDataType
+
+import vipr.diagrams
+import vipr.systems
 
 # Systems that turn truth into a measurement, the only legal way from a plant to a controller.
 SENSORS = {"RgbdSensor", "JointEncoders"}

@@ -1,10 +1,11 @@
 """Every system of VIPR, held against the laws."""
 
-import laws
 import numpy as np
 import pytest
-from examples import EXAMPLES
 from pydrake.systems.framework import Diagram, LeafSystem
+
+import laws
+from examples import EXAMPLES
 
 TIMES = np.arange(1, 9) * 0.04 + 0.001
 

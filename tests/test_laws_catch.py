@@ -1,12 +1,14 @@
 """Each law fails on a system that breaks it: a law that cannot fail protects nothing."""
 
-import laws
 import numpy as np
 import pytest
 from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, DiagramBuilder, LeafSystem
+
 from vipr.systems.arm.encoders import JointEncoders
 from vipr.systems.signals import CameraFrame, ObjectPose
+
+import laws
 
 TIMES = [0.01, 0.05, 0.09]
 

@@ -7,6 +7,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices: threads on
 import sys
 
 import typer
+
 from vipr.scenarios.command import bench, track
 from vipr.scenarios.command.output import print_error
 from vipr.systems.errors import InputError

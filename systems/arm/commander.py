@@ -2,6 +2,7 @@
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, LeafSystem
+
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.arm.resolved_rate import Damping, JointLimits, damped_rates, limited_rates
 from vipr.systems.errors import InputError

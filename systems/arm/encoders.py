@@ -2,6 +2,7 @@
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, LeafSystem
+
 from vipr.systems.errors import InputError
 
 

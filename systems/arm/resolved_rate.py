@@ -7,6 +7,7 @@ the whole vector, so that the tool keeps its direction when a joint reaches its 
 from dataclasses import dataclass
 
 import numpy as np
+
 from vipr.systems.errors import InputError
 
 

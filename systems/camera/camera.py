@@ -5,6 +5,7 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import LeafSystem
 from pydrake.systems.sensors import ImageRgba8U
+
 from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
 from vipr.systems.signals import CameraFrame
 from vipr.systems.timing import LEDGER

@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import yaml
+
 from vipr.systems.errors import InputError
 
 

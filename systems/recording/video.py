@@ -12,6 +12,7 @@ from pathlib import Path
 import av
 import cv2
 import numpy as np
+
 from vipr.systems.errors import InputError
 
 

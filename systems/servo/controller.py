@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, LeafSystem
+
 from vipr.systems import se3
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.errors import InputError

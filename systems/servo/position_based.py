@@ -6,6 +6,7 @@ Frames: W world, E the hand, O the object, G the goal of E. Twists are (w, v) of
 from dataclasses import dataclass
 
 import numpy as np
+
 from vipr.systems.errors import InputError
 
 

@@ -7,6 +7,7 @@ the world, (12, 12); the motion model is white angular and linear acceleration.
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from vipr.systems import se3
 from vipr.systems.errors import InputError
 

@@ -1,6 +1,7 @@
 """Examples of the arm's systems for the laws."""
 
 import numpy as np
+
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.encoders import JointEncoders
 from vipr.systems.arm.kinematics import SerialArm

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
+
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.encoders import JointEncoders
 from vipr.systems.arm.kinematics import SerialArm

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from vipr.systems import se3
 from vipr.systems.arm.kinematics import SerialArm
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from vipr.systems.arm.resolved_rate import Damping, JointLimits, damped_rates, limited_rates
 from vipr.systems.errors import InputError
 

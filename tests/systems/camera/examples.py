@@ -2,6 +2,7 @@
 
 import numpy as np
 from pydrake.systems.sensors import ImageRgba8U
+
 from vipr.systems.camera.camera import Camera
 from vipr.systems.camera.imperfections import Imperfection
 

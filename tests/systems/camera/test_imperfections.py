@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
 from vipr.systems.errors import InputError
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from vipr.systems.camera.lens import Lens, load_lens
 from vipr.systems.errors import InputError
 

@@ -8,6 +8,7 @@ import sys
 import av
 import numpy as np
 import pytest
+
 from vipr.systems.errors import InputError
 from vipr.systems.recording.video import VideoWriter
 

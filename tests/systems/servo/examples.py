@@ -2,6 +2,7 @@
 
 import numpy as np
 from pydrake.common.value import Value
+
 from vipr.systems import se3
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.servo.controller import PositionBasedServo

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydrake.common.value import Value
 from pydrake.systems.analysis import Simulator
+
 from vipr.systems import se3
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.errors import InputError

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from vipr.systems import se3
 from vipr.systems.errors import InputError
 from vipr.systems.servo.position_based import PositionBased, carried_twist, servo_twist

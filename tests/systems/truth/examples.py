@@ -3,6 +3,7 @@
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
+
 from vipr.systems import se3
 from vipr.systems.signals import ObjectPose
 from vipr.systems.truth import AlignmentError, PoseTruth, TrackingError

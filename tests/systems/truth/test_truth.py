@@ -1,11 +1,13 @@
 """Truth and errors, against poses known in advance."""
 
 import numpy as np
-from examples import EXAMPLES
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
+
 from vipr.systems.truth import AlignmentError, PoseTruth, TrackingError
+
+from examples import EXAMPLES
 
 
 def test_truth_is_the_plants_pose_in_each_frame():
