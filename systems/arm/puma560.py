@@ -6,6 +6,7 @@ The same figures are in ``models/puma560/puma560.sdf``; a test compares the two.
 """
 
 import numpy as np
+
 from vipr.systems.errors import InputError
 from vipr.systems.se3 import pose
 

@@ -8,6 +8,7 @@ encoders: Barrett's support pages for the BH8-262 (gear teeth: 40/16 x 50 = 125,
 """
 
 import numpy as np
+
 from vipr.systems.errors import InputError
 
 JOINTS = (

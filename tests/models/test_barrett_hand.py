@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
+
 from vipr.models import model_path
 from vipr.systems.hand import transmission
 

@@ -10,6 +10,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
+
 from vipr.models import model_path
 from vipr.models.build import objects, robots
 from vipr.systems.camera.lens import load_lens

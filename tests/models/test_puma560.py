@@ -6,6 +6,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable, MultibodyForces, SpatialInertia, UnitInertia
+
 from vipr.models import model_path
 from vipr.systems.arm import puma560
 from vipr.systems.errors import InputError
