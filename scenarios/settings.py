@@ -14,13 +14,13 @@ from pydantic import TypeAdapter, ValidationError
 from vipr.systems.errors import InputError
 
 
-def load_settings(schema: type, path: Path, overrides: list[str] = ()) -> Any:
-    """Settings of type ``schema`` from a YAML file and overrides such as ``servo.gain=2``, in that order.
+def load_settings(schema: type, path: Path | None, overrides: list[str] = ()) -> Any:
+    """Settings of type ``schema`` from a YAML file (None: the defaults) and overrides such as ``servo.gain=2``, in that order.
 
     Raises:
         InputError: naming the key, what was given and what is allowed.
     """
-    values = yaml.safe_load(path.read_text()) or {}
+    values = (yaml.safe_load(path.read_text()) or {}) if path is not None else {}
     for override in overrides:
         _set(values, override)
     _check_keys(schema, values, "")

@@ -56,3 +56,11 @@ class ObjectPose(Signal):
     nodes: int = 0  # edge nodes used
     residual_px: float = float("nan")  # robust RMS distance of the used nodes from the model's edges
     score: float = 0.0  # 0 to 1, calibrated confidence behind `state`
+
+
+@dataclass(frozen=True, eq=False)
+class Occluders(Signal):
+    """Known bodies that may stand between the camera and what is tracked (the hand, other objects)."""
+
+    triangles_C: np.ndarray = empty(0, 3, 3)  # (S, 3, 3) corners of triangles in the camera frame C, m
+    time: float = 0.0  # s

@@ -1,7 +1,87 @@
 """``vipr track``: the model-based tracker on recorded images."""
 
+import json
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
 
 def register(app: typer.Typer) -> None:
     """Add the subcommand to the app."""
+    app.command("track")(track)
+
+
+def track(
+    images: Annotated[str, typer.Option(help="Folder, quoted glob 'DIR/*.png', pattern 'DIR/%04d.png' or video file.")],
+    model: Annotated[Path, typer.Option(help="CAD model in metres: .obj, .cao, .yaml, or a mesh (.stl, .ply, .off).")],
+    camera: Annotated[Path, typer.Option(help="ROS camera_info YAML of the images.")],
+    initial_pose: Annotated[
+        Path, typer.Option(help="YAML with X_CO of the first image (4x4), or 6 numbers t, theta u.")
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for poses.csv, overlay.mp4 and summary.json.")],
+    fps: Annotated[float, typer.Option(help="Images a second.")] = 25.0,
+    reference: Annotated[Path | None, typer.Option(help="CSV of reference poses to compare with.")] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="A tracker setting, key=value; may be repeated.")
+    ] = None,
+    skip_bad: Annotated[bool, typer.Option("--skip-bad", help="Take unreadable images as dropped frames.")] = False,
+    no_video: Annotated[bool, typer.Option("--no-video", help="Write no overlay.mp4.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
+) -> None:
+    """Track an object of known CAD model through recorded images; the pose of the first image is given."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from vipr.scenarios.command.output import output_folder
+    from vipr.scenarios.recorded_tracking import track_images
+    from vipr.scenarios.settings import load_settings
+    from vipr.systems.camera.image_files import ImageSequence
+    from vipr.systems.camera.lens import load_lens
+    from vipr.systems.tracking.cad_model import load_model
+    from vipr.systems.tracking.evaluation import read_pose, read_poses
+    from vipr.systems.tracking.model_tracking import TrackerSettings
+
+    settings = load_settings(TrackerSettings, None, set_ or [])
+    cad, lens, X_CO = load_model(model), load_lens(camera), read_pose(initial_pose)
+    known = read_poses(reference) if reference is not None else None
+    sequence = ImageSequence(images)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("tracking", total=len(sequence) or None)
+        result = track_images(
+            sequence,
+            cad,
+            lens,
+            X_CO,
+            output_folder(out),
+            settings=settings,
+            fps=fps,
+            video=not no_video,
+            skip_bad=skip_bad,
+            reference=known,
+            progress=lambda frame, state: bar.update(task, completed=frame + 1, description=state),
+        )
+    if as_json:
+        print(json.dumps(result, indent=2))
+        return
+    print(
+        f"{result['frames']} frames: {result['tracking']} tracking, {result['uncertain']} uncertain, {result['lost']} lost; "
+        f"{result['median_ms']} ms a frame (median)"
+    )
+    if "agreement" in result:
+        print_agreement(result["agreement"])
+    print(f"written to {out}")
+
+
+def print_agreement(agreement: dict) -> None:
+    """The agreement with a reference, as a few lines."""
+    lines = (
+        ("translation", "translation_mm", "mm"),
+        ("rotation", "rotation_deg", "deg"),
+        ("corners", "corner_px", "px"),
+    )
+    for name, key, unit in lines:
+        s = agreement[key]
+        print(f"{name:>12}: {s['median']:.2f} / {s['p90']:.2f} / {s['max']:.2f} {unit} (median / 90 % / max)")
+    print(f"{'followed':>12}: {agreement['followed']} of {agreement['frames']} frames of the reference")

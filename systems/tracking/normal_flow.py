@@ -1,0 +1,143 @@
+"""Normal flow: displacement of edge nodes along their normals (paper III-B, eq. 25), several hypotheses a node.
+
+All profiles of a frame are sampled in one call. A peak's place is found to a fraction of a pixel by a parabola through the gradient's
+magnitude. The paper quantises normals to 0, 45, 90 and 135 degrees; ``quantise`` offers that for comparison.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+
+from vipr.systems.tracking.visible_edges import Nodes
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A rectangle of the image in float32 grey levels, and where it lies: ``pixel - origin`` is the position in it."""
+
+    grey: np.ndarray  # (h, w) float32
+    origin: np.ndarray  # (2,) x, y [px]
+    noise: float = 0.0  # RMS grey levels of pixel noise, estimated
+
+
+@dataclass(frozen=True, eq=False)
+class Matches:
+    """Up to K edge hypotheses for each of N nodes, strongest first; a missing one has strength 0."""
+
+    offset: np.ndarray  # (N, K) px along the normal
+    strength: np.ndarray  # (N, K) signed grey levels of the step, brighter on the side of +normal when positive
+    profile: np.ndarray  # (N, L) grey levels along the normal, at `step` px from -reach to reach
+    reach: float  # px
+    step: float  # px
+
+
+def cut_patch(image: np.ndarray, low: np.ndarray, high: np.ndarray, sigma: float = 0.7) -> Patch:
+    """The image (h, w[, 3]) uint8 between pixels low and high (2,), cut to the frame, grey, smoothed by sigma [px].
+
+    An empty intersection gives a patch of one dark pixel far away, on which no edge is ever found.
+    """
+    height, width = image.shape[:2]
+    x0, y0 = (int(max(v, 0)) for v in np.floor(low))
+    x1, y1 = (int(min(v + 1, limit)) for v, limit in zip(np.ceil(high), (width, height), strict=True))
+    if x1 - x0 < 2 or y1 - y0 < 2:
+        return Patch(np.zeros((2, 2), np.float32), np.array([1e6, 1e6]))
+    part = image[y0:y1, x0:x1]
+    grey = cv2.cvtColor(part, cv2.COLOR_BGR2GRAY) if part.ndim == 3 else part
+    grey = grey.astype(np.float32)
+    noise = _noise(grey)
+    if sigma > 0:
+        grey = cv2.GaussianBlur(grey, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
+    return Patch(grey, np.array([x0, y0], float), noise)
+
+
+def _noise(grey):
+    """Robust RMS pixel noise from second differences of rows that lie apart (median absolute value of a [1 -2 1] response)."""
+    rows = grey[:: max(1, len(grey) // 24)]
+    if rows.shape[1] < 8:
+        return 0.0
+    second = np.abs(rows[:, :-2] - 2.0 * rows[:, 1:-1] + rows[:, 2:])
+    return float(np.median(second)) / 0.6745 / 6.0**0.5
+
+
+def sample_profiles(
+    patch: Patch, pixel: np.ndarray, normal: np.ndarray, reach: float, step: float = 1.0, across: int = 3
+) -> np.ndarray:
+    """Grey levels (N, L) along the normals from -reach to reach [px], each the mean of `across` parallel lines 1 px apart."""
+    s = np.arange(-np.ceil(reach / step), np.ceil(reach / step) + 1) * step
+    if not len(pixel):
+        return np.zeros((0, len(s)), np.float32)
+    base = (pixel - patch.origin).astype(np.float32)
+    n = normal.astype(np.float32)
+    lines = base[:, None, :] + s.astype(np.float32)[None, :, None] * n[:, None, :]
+    if across > 1:
+        side = (np.arange(across, dtype=np.float32) - 0.5 * (across - 1))[:, None, None, None]
+        lines = lines[None] + side * np.stack([-n[:, 1], n[:, 0]], 1)[None, :, None, :]
+    maps = lines.reshape(-1, len(s), 2)
+    values = cv2.remap(patch.grey, maps, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return values.reshape(across, -1, len(s)).mean(0) if across > 1 else values
+
+
+@lru_cache(maxsize=32)
+def _derivative_kernel(sigma: float, step: float) -> np.ndarray:
+    """Derivative of a Gaussian, scaled so that a step of one grey level gives a peak of one."""
+    half = max(1, int(np.ceil(2.5 * sigma / step)))
+    x = np.arange(-half, half + 1) * step
+    k = x * np.exp(-0.5 * (x / sigma) ** 2)
+    return (k / k[k > 0].sum()).astype(np.float32)[None]
+
+
+def find_edges(
+    patch: Patch,
+    nodes: Nodes,
+    reach: float,
+    step: float = 1.0,
+    sigma: float = 1.3,
+    contrast: float = 4.0,
+    hypotheses: int = 4,
+    across: int = 3,
+    quantise: bool = False,
+) -> Matches:
+    """Edges within reach [px] along each node's normal: local maxima of the gradient of at least `contrast` grey levels.
+
+    sigma [px] is the width of the derivative. With `quantise`, normals are rounded to multiples of 45 degrees and
+    places to whole pixels, as the paper has it.
+    """
+    normal = quantised(nodes.normal) if quantise else nodes.normal
+    kernel = _derivative_kernel(sigma, step)
+    margin = kernel.shape[1] // 2 * step
+    raw = sample_profiles(patch, nodes.pixel, normal, reach + margin + step, step, across)
+    count, K = len(nodes), hypotheses
+    m = round(margin / step) + 1
+    if not count:
+        return Matches(np.zeros((0, K)), np.zeros((0, K)), raw, reach, step)
+    response = cv2.filter2D(raw, cv2.CV_32F, kernel, borderType=cv2.BORDER_REPLICATE)
+    response = response[:, m - 1 : raw.shape[1] - m + 1]  # one more at each end, for the parabola
+    magnitude = np.abs(response)
+    centre = magnitude[:, 1:-1]
+    peak = (centre >= magnitude[:, :-2]) & (centre > magnitude[:, 2:]) & (centre > contrast)
+    score = np.where(peak, centre, 0.0)
+    best = (
+        np.argpartition(-score, K, axis=1)[:, :K]
+        if score.shape[1] > K
+        else np.arange(score.shape[1])[None].repeat(count, 0)
+    )
+    rows = np.arange(count)[:, None]
+    strength = score[rows, best]
+    left, mid, right = magnitude[rows, best], magnitude[rows, best + 1], magnitude[rows, best + 2]
+    curvature = left - 2.0 * mid + right
+    shift = np.where(curvature < -1e-6, 0.5 * (left - right) / np.minimum(curvature, -1e-6), 0.0)
+    if quantise:
+        shift = np.zeros_like(shift)
+    offset = (best + shift - (score.shape[1] - 1) / 2) * step
+    if quantise:  # a step along a rounded normal is longer or shorter along the true one
+        offset = offset * np.einsum("nd,nd->n", normal, nodes.normal)[:, None]
+    strength = np.where(strength > 0, response[rows, best + 1], 0.0)
+    return Matches(offset.astype(float), strength.astype(float), raw[:, m:-m], reach, step)
+
+
+def quantised(normal: np.ndarray) -> np.ndarray:
+    """Normals (N, 2) rounded to 0, 45, 90 or 135 degrees, as steps between pixels: length 1 or sqrt(2)."""
+    angle = np.round(np.arctan2(normal[:, 1], normal[:, 0]) / (np.pi / 4)) * (np.pi / 4)
+    return np.round(np.stack([np.cos(angle), np.sin(angle)], 1))

@@ -1,0 +1,30 @@
+"""The model drawn over the image, with the tracker's state: what a person looks at to see whether it tracks."""
+
+import cv2
+import numpy as np
+
+from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking.cad_model import CadModel
+from vipr.systems.tracking.visible_edges import visible_nodes
+
+COLOURS = {"tracking": (60, 220, 60), "uncertain": (0, 190, 255), "lost": (60, 60, 255)}  # BGR
+
+
+def draw_overlay(
+    image: np.ndarray, model: CadModel, lens: Lens, X_CO: np.ndarray, state: str, text: str = "", occluders_C=None
+) -> np.ndarray:
+    """A copy of the image (h, w[, 3]) as BGR with the visible edges at X_CO in the state's colour; of a lost object no edges."""
+    canvas = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if image.ndim == 2 else image.copy()
+    colour = COLOURS.get(state, (255, 255, 255))
+    if state != "lost":
+        nodes = visible_nodes(model, X_CO, lens, 4000, 1.0, occluders_C, border=1.0)
+        x, y = np.round(nodes.pixel).astype(int).T
+        for dx, dy in ((0, 0), (1, 0), (0, 1)):
+            canvas[np.minimum(y + dy, len(canvas) - 1), np.minimum(x + dx, canvas.shape[1] - 1)] = colour
+    scale = max(canvas.shape[1] / 1280.0, 0.4)
+    for thickness, shade in ((3, (0, 0, 0)), (1, colour)):
+        place = (int(12 * scale) + 2, int(34 * scale) + 4)
+        cv2.putText(
+            canvas, f"{text} {state}", place, cv2.FONT_HERSHEY_SIMPLEX, scale * 1.1, shade, thickness, cv2.LINE_AA
+        )
+    return canvas
