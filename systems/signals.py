@@ -64,3 +64,11 @@ class Occluders(Signal):
 
     triangles_C: np.ndarray = empty(0, 3, 3)  # (S, 3, 3) corners of triangles in the camera frame C, m
     time: float = 0.0  # s
+
+
+@dataclass(frozen=True, eq=False)
+class Status(Signal):
+    """What a stage says of itself, in a few words; a recorder writes it down when it changes. Empty: nothing to say yet."""
+
+    text: str = ""
+    level: str = "info"  # info | warning | error
