@@ -72,3 +72,42 @@ class Status(Signal):
 
     text: str = ""
     level: str = "info"  # info | warning | error
+
+
+@dataclass(frozen=True, eq=False)
+class SkinRegions(Signal):
+    """Connected regions of skin colour in one frame, largest evidence first; no rows when there are none. Pixels of the frame."""
+
+    centres: np.ndarray = empty(0, 2)  # (n, 2) px, centre of gravity
+    areas: np.ndarray = empty(0)  # (n,) px^2
+    boxes: np.ndarray = empty(0, 4)  # (n, 4) px: x, y, width, height
+    person: np.ndarray = empty(0)  # (n,) 0 to 1: moves, differs from what always stood there
+    faceness: np.ndarray = empty(0)  # (n,) 0 to 1: a compact shape with the marks of a face
+    labels: np.ndarray = empty(0, 0, dtype=np.uint8)  # (h', w') at working resolution: row + 1 of the region, 0 elsewhere
+    scale: float = 1.0  # pixels of the frame in one pixel of ``labels``
+    size: tuple[int, int] = (0, 0)  # (width, height) of the frame, px; (0, 0) before the first
+    time: float = 0.0  # s, middle of the exposure
+    number: int = -1  # of the camera frame
+
+
+@dataclass(frozen=True, eq=False)
+class HandTracks(Signal):
+    """Face and hands of one person in pixels of the frame; ``left`` is the person's left hand (on the image's right, unmirrored).
+
+    Where ``*_seen`` is false the position is a prediction, or NaN if that part was never seen.
+    """
+
+    face: np.ndarray = field(default_factory=lambda: np.full(2, np.nan))  # (2,) px
+    left: np.ndarray = field(default_factory=lambda: np.full(2, np.nan))  # (2,) px
+    right: np.ndarray = field(default_factory=lambda: np.full(2, np.nan))  # (2,) px
+    face_velocity: np.ndarray = empty(2)  # px/s
+    left_velocity: np.ndarray = empty(2)  # px/s
+    right_velocity: np.ndarray = empty(2)  # px/s
+    face_seen: bool = False
+    left_seen: bool = False
+    right_seen: bool = False
+    merged: tuple[str, ...] = ()  # the parts that share a region with another part now
+    areas: np.ndarray = empty(3)  # (3,) px^2 of skin of face, left, right; 0 where unseen
+    size: tuple[int, int] = (0, 0)  # (width, height) of the frame, px
+    time: float = 0.0  # s, exposure of the frame
+    number: int = -1  # of the camera frame; -1 before the first

@@ -5,6 +5,7 @@ from pydrake.systems.sensors import ImageRgba8U
 
 from vipr.systems.camera.camera import Camera
 from vipr.systems.camera.imperfections import Imperfection
+from vipr.systems.camera.room_light import RoomLight
 
 
 def camera():
@@ -18,4 +19,16 @@ def camera():
     return system, fix
 
 
-EXAMPLES = {Camera: camera}
+def room_light():
+    system = RoomLight()
+
+    def fix(context, t):
+        image = ImageRgba8U(32, 24)
+        image.mutable_data[:] = 100
+        system.GetInputPort("color_image").FixValue(context, image)
+        system.GetInputPort("light").FixValue(context, [1.0 - t, 3000.0 + 1000 * t])
+
+    return system, fix
+
+
+EXAMPLES = {Camera: camera, RoomLight: room_light}

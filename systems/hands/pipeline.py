@@ -1,0 +1,34 @@
+"""The whole chain of Fig. 3 as one pure function: an image and what was believed before give what is believed now."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from vipr.systems.hands.tracks import TracksBelief, follow
+from vipr.systems.signals import HandTracks
+from vipr.systems.skin.chain import SkinBelief, SkinOptions, see_skin
+
+
+@dataclass(frozen=True, eq=False)
+class PeopleBelief:
+    """All that is remembered between frames; a value, to be replaced, never changed."""
+
+    skin: SkinBelief = field(default_factory=SkinBelief)
+    hands: TracksBelief = field(default_factory=TracksBelief)
+
+    @property
+    def tracks(self) -> HandTracks:
+        """Face and hands in the last frame."""
+        return self.hands.output
+
+    def without_hands(self) -> "PeopleBelief":
+        """The same knowledge of skin, scene and face, but no hand tracked yet."""
+        return replace(self, hands=self.hands.only_face())
+
+
+def see_people(
+    image: np.ndarray, time: float, number: int, belief: PeopleBelief, options: SkinOptions = SkinOptions()
+) -> PeopleBelief:
+    """The belief after an image (h, w, 3) BGR uint8 exposed at ``time`` [s], later than the one before."""
+    skin = see_skin(image, time, number, belief.skin, options)
+    return PeopleBelief(skin, follow(skin.regions, belief.hands))

@@ -1,0 +1,180 @@
+"""Skin from frame to frame: light, segmentation, density, components, and what is learned from them. Pure.
+
+:class:`~vipr.systems.skin.segmenter.SkinSegmenter` is the shell. All state is in :class:`SkinBelief`, a value.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import cv2
+import numpy as np
+
+from vipr.systems.errors import InputError
+from vipr.systems.signals import SkinRegions
+from vipr.systems.skin import colour_model, scene
+from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, histogram, hue_saturation, lookup
+from vipr.systems.skin.colour_model import ColourModel, doubt_table, initial_model, skin_table
+from vipr.systems.skin.density import components, density
+from vipr.systems.skin.locus import SkinBox, box_table
+from vipr.systems.skin.regions import describe
+from vipr.systems.skin.scene import Scene
+
+CLASSIFIERS = ("ratio", "box", "hsi")
+
+
+@dataclass(frozen=True)
+class SkinOptions:
+    """How skin is found. The defaults are the full chain; the others are for comparison."""
+
+    working_area: float = 160.0 * 120.0  # px, to which frames are reduced (never enlarged)
+    classifier: str = "ratio"  # ratio (of histograms) | box (r-g, section II-A.1) | hsi (hue and saturation)
+    adapt: bool = True  # feed the detected regions back to the model
+    follow_light: bool = True  # undo changes of the light seen on the still scene
+    still_scene: bool = True  # what never changes is not the person
+    most_regions: int = 8
+    darkest: float = 36.0  # R + G + B below which chromaticity is noise
+
+    def __post_init__(self):
+        if self.classifier not in CLASSIFIERS:
+            raise InputError(f"skin: classifier must be one of {', '.join(CLASSIFIERS)}, got {self.classifier}")
+        if self.working_area < 400:
+            raise InputError(f"skin: working area must be at least 400 px, got {self.working_area}")
+
+
+@dataclass(frozen=True, eq=False)
+class SkinBelief:
+    """All that the skin stage remembers between frames."""
+
+    model: ColourModel = field(default_factory=initial_model)
+    scene: Scene | None = None
+    gains: np.ndarray = field(default_factory=lambda: np.ones(3))  # of B, G, R, that undo the present light
+    regions: SkinRegions = field(default_factory=SkinRegions)
+
+    def __copy__(self):
+        return self
+
+    def __deepcopy__(self, memo):
+        return self
+
+
+def as_bgr(image: np.ndarray) -> np.ndarray:
+    """Any picture as (h, w, 3) uint8 BGR: grey and four channels are converted, 16 bits and floats (0 to 1) scaled."""
+    image = np.asarray(image)
+    if image.ndim == 3 and image.shape[2] == 1:
+        image = image[:, :, 0]
+    if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] not in (3, 4)) or 0 in image.shape:
+        raise InputError(f"image: must be (h, w), (h, w, 3) BGR or (h, w, 4) BGRA, got shape {image.shape}")
+    if image.dtype == np.uint16:
+        image = (image >> 8).astype(np.uint8)
+    elif image.dtype in (np.float32, np.float64):
+        image = np.rint(255.0 * np.clip(np.nan_to_num(image), 0.0, 1.0)).astype(np.uint8)
+    elif image.dtype == bool:
+        image = image.astype(np.uint8) * 255
+    elif image.dtype != np.uint8:
+        raise InputError(f"image: must be of 8 or 16 bits or float, got {image.dtype}")
+    if image.ndim == 2:
+        return cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+    return image if image.shape[2] == 3 else np.ascontiguousarray(image[:, :, :3])
+
+
+def reduce(image: np.ndarray, area: float) -> tuple[np.ndarray, float]:
+    """The image at about ``area`` px and the pixels of the image in one of its pixels; an image that is small enough as it is."""
+    h, w = image.shape[:2]
+    factor = np.sqrt(h * w / area)
+    if factor <= 1.05:
+        return image, 1.0
+    size = (max(8, round(w / factor)), max(8, round(h / factor)))
+    return cv2.resize(image, size, interpolation=cv2.INTER_AREA), float(factor)
+
+
+def unit(shape) -> float:
+    """1 at 160 x 120; lengths in pixels grow with it."""
+    return float(np.sqrt(shape[0] * shape[1] / 19200.0))
+
+
+def odd(x: float) -> int:
+    """The odd number nearest to x, at least 3."""
+    return max(3, 2 * int(x / 2) + 1)
+
+
+def classify(image: np.ndarray, colours: Chromaticity, model: ColourModel, options: SkinOptions) -> np.ndarray:
+    """(h, w) uint8: 255 times the probability that a pixel is skin, by colour alone."""
+    if options.classifier == "hsi":
+        hue, saturation = hue_saturation(image)
+        skin = np.where(((hue <= 17) | (hue >= 173)) & (saturation >= 50) & (saturation <= 170), 255, 0).astype(
+            np.uint8
+        )
+    elif options.classifier == "box":
+        skin = lookup(box_table(model.box), colours.index)
+    else:
+        skin = lookup(skin_table(model), colours.index)
+    skin[colours.total < options.darkest] = 0
+    return skin
+
+
+def see_skin(
+    image: np.ndarray, time: float, number: int, belief: SkinBelief, options: SkinOptions = SkinOptions()
+) -> SkinBelief:
+    """The belief after a frame (h, w, 3) BGR uint8 exposed at ``time`` [s]; its ``regions`` are the frame's."""
+    small, scale = reduce(image, options.working_area)
+    dt = float(np.clip(time - belief.regions.time, 1e-3, 0.5)) if belief.scene is not None else 0.04
+    fresh = belief.scene is None or belief.scene.sure.shape != small.shape[:2]
+    gains = belief.gains
+    if not fresh and options.follow_light:
+        gains = scene.light_change(small, belief.scene, gains)
+    colours = chromaticity(small, gains)
+    if fresh or scene.is_cut(colours.pixels, belief.scene):
+        belief, gains = SkinBelief(), np.ones(3)
+        colours = chromaticity(small, gains)
+        still = scene.new_scene(colours.pixels)
+        rest = _rest(colours, colours.total >= options.darkest, still)
+        model = colour_model.adapt(belief.model, np.zeros_like(rest), rest, 0.3)
+        stood = np.zeros(small.shape[:2], np.float32)
+    else:
+        model = belief.model
+        still, stood = scene.watch(colours.pixels, belief.scene, odd(11 * unit(small.shape)), dt)
+    skin = classify(small, colours, model, options)
+    if options.still_scene:
+        skin = cv2.multiply(skin, 1.0 - 0.95 * stood, dtype=cv2.CV_8U)
+    u = unit(small.shape)
+    labels, _, boxes = components(density(skin, odd(4.4 * u)), 120, 9.0 * u * u, options.most_regions)
+    centres, areas, person, faceness = describe(labels, boxes, skin, still)
+    if options.still_scene or options.adapt:
+        on_person = _person_pixels(labels, person)
+        still = scene.settle(still, colours.pixels, cv2.dilate(on_person, np.ones((3, 3), np.uint8)) > 0, dt)
+        if options.adapt:
+            model = _learn(model, colours, skin, on_person, still, dt, options)
+    order = np.argsort(-person * np.sqrt(areas), kind="stable")
+    rename = np.zeros(256, np.uint8)
+    rename[order + 1] = np.arange(1, len(order) + 1)
+    regions = SkinRegions(
+        centres=(centres[order] + 0.5) * scale - 0.5, areas=areas[order] * scale**2, boxes=boxes[order] * scale, person=person[order],
+        faceness=faceness[order], labels=cv2.LUT(labels, rename), scale=scale, size=(image.shape[1], image.shape[0]), time=time,
+        number=number,
+    )  # fmt: skip
+    return replace(belief, model=model, scene=still, gains=gains, regions=regions)
+
+
+def _person_pixels(labels: np.ndarray, person: np.ndarray) -> np.ndarray:
+    """(h, w) uint8, 1 on regions that are rather the person than not."""
+    table = np.zeros(256, np.uint8)
+    table[1 : len(person) + 1] = person > 0.5
+    return cv2.LUT(labels, table)
+
+
+def _learn(model, colours, skin, on_person, still, dt, options) -> ColourModel:
+    """Skin from the inside of the person's regions, the rest from outside all regions and from the still scene."""
+    bright = colours.total >= options.darkest
+    inside = on_person.astype(bool) & bright & (skin > 90)
+    return colour_model.adapt(
+        model, histogram(colours.index[inside]), _rest(colours, bright & ~on_person.astype(bool), still), dt
+    )
+
+
+def _rest(colours: Chromaticity, outside: np.ndarray, still: Scene) -> np.ndarray:
+    """Histogram of what is not the person: what could be skin by its colour counts as far as it is known to stand still."""
+    return histogram(
+        colours.index, np.where(outside, 1.0 - lookup(doubt_table(), colours.index) * (1.0 - still.sure), 0.0)
+    )
+
+
+__all__ = ["SkinBelief", "SkinBox", "SkinOptions", "as_bgr", "reduce", "see_skin"]

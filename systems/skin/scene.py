@@ -1,0 +1,87 @@
+"""What always stood there, what moves, and how the light changed: the cues beside colour.
+
+A running picture of the still scene gives two things that colour alone cannot: walls and wood of skin's colour are known by never
+changing, and the ratio of the present picture to it is the change of the light (diagonal model), robustly by its median.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+SETTLE = 1.2  # s after which an unchanging pixel is surely background
+FORGET = 0.6  # s after which a changed pixel is no longer
+MOTION_HALF_LIFE = 0.35  # s, of the motion energy
+ALIVE_HALF_LIFE = 4.0  # s, for which a place where something moved is kept out of the background
+_LUMA = np.array([[0.25, 0.5, 0.25]], np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The still scene at working resolution, in the light's coordinates (pixels times gains)."""
+
+    pixels: np.ndarray  # (h, w, 3) float32 BGR
+    sure: np.ndarray  # (h, w) float32, 0 to 1: known to be background
+    luma: np.ndarray  # (h, w) float32 of the frame before
+    motion: np.ndarray  # (h, w) float32, 0 to 1: moved just now
+    alive: np.ndarray  # (h, w) float32, 0 to 1: something moved near here in the last seconds
+    noise: float = 2.0  # grey levels, of the difference of two frames
+
+
+def new_scene(pixels: np.ndarray) -> Scene:
+    """The scene after its first frame (h, w, 3) float32: nothing is known to be background."""
+    zero = np.zeros(pixels.shape[:2], np.float32)
+    return Scene(pixels, zero, cv2.transform(pixels, _LUMA), zero, zero)
+
+
+def light_change(raw: np.ndarray, scene: Scene, gains: np.ndarray) -> np.ndarray:
+    """(3,) gains that bring the picture raw (h, w, 3) uint8 to the still scene's light; ``gains`` where too little of it is visible."""
+    now, then = raw[::3, ::3].reshape(-1, 3).astype(np.float32), scene.pixels[::3, ::3].reshape(-1, 3)
+    usable = (now.min(1) > 8) & (now.max(1) < 250) & (scene.alive[::3, ::3].ravel() < 0.3) & (then.min(1) > 4)
+    if np.count_nonzero(usable) < 80:
+        return gains
+    ratio = then[usable] / now[usable]
+    fresh = np.median(ratio, axis=0)
+    spread = np.median(np.abs(ratio / fresh - 1.0))
+    if spread > 0.25:  # another view, not another light
+        return gains
+    return np.clip(fresh, 0.15, 6.0)
+
+
+def is_cut(pixels: np.ndarray, scene: Scene) -> bool:
+    """Whether this is a picture of something else: most of it differs from the frame before."""
+    luma = cv2.transform(pixels, _LUMA)[::3, ::3]
+    difference = np.abs(luma - scene.luma[::3, ::3])
+    return bool(np.mean(difference > 18.0 + 6.0 * scene.noise) > 0.5)
+
+
+def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float) -> tuple[Scene, np.ndarray]:
+    """The scene after ``dt`` s with its motion; and (h, w) float32, 0 to 1, how surely each pixel shows what always stood there."""
+    luma = cv2.transform(pixels, _LUMA)
+    difference = cv2.absdiff(luma, scene.luma)
+    noise = 0.9 * scene.noise + 0.1 * float(np.clip(np.median(difference[::4, ::4]) * 1.5, 0.5, 12.0))
+    moved = (difference > 4.0 + 4.0 * noise).astype(np.float32)
+    # A lone noisy pixel is not motion: a third of the 3x3 neighbours must agree.
+    moved *= cv2.blur(moved, (3, 3)) > 0.3
+    motion = np.maximum(scene.motion * np.float32(0.5 ** (dt / MOTION_HALF_LIFE)), moved)
+    near = np.minimum(cv2.blur(moved, (kernel, kernel)) * 6.0, 1.0)
+    alive = np.maximum(scene.alive * np.float32(0.5 ** (dt / ALIVE_HALF_LIFE)), near)
+    away = cv2.absdiff(pixels, scene.pixels)
+    away = np.maximum(np.maximum(away[:, :, 0], away[:, :, 1]), away[:, :, 2])
+    same = (away < 5.0 + 4.0 * noise + 0.04 * luma).astype(np.float32)
+    return Scene(scene.pixels, scene.sure, luma, motion, alive, noise), same * scene.sure
+
+
+def settle(scene: Scene, pixels: np.ndarray, person: np.ndarray, dt: float) -> Scene:
+    """The scene after ``dt`` s in which pixels outside ``person`` (h, w) bool that did not change became surer background."""
+    away = cv2.absdiff(pixels, scene.pixels)
+    away = np.maximum(np.maximum(away[:, :, 0], away[:, :, 1]), away[:, :, 2])
+    same = away < 5.0 + 4.0 * scene.noise + 0.04 * scene.luma
+    guarded = person | (scene.alive > 0.3) & (scene.sure < 0.5)
+    step = np.where(same, np.float32(dt / SETTLE), np.float32(-dt / FORGET))
+    step[guarded] = -dt / (8 * FORGET)
+    sure = np.clip(scene.sure + step, 0.0, 1.0)
+    rate = np.where(same, np.float32(min(1.0, dt * 1.5)), np.float32(0.0))
+    rate[sure <= 0.0] = 1.0
+    picture = scene.pixels + rate[:, :, None] * (pixels - scene.pixels)
+    return Scene(picture, sure, scene.luma, scene.motion, scene.alive, scene.noise)
