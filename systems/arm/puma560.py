@@ -7,6 +7,7 @@ The same figures are in ``models/puma560/puma560.sdf``; a test compares the two.
 
 import numpy as np
 
+from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.errors import InputError
 from vipr.systems.se3 import pose
 
@@ -56,33 +57,17 @@ NAMED = {
 BRANCHES = ("lun", "luf", "ldn", "ldf", "run", "ruf", "rdn", "rdf")
 
 
-def link_frames(q: np.ndarray) -> np.ndarray:
-    """Poses X_0i (7, 4, 4) of frames 0 to 6 for joint angles q (6,)."""
-    frames = np.empty((7, 4, 4))
-    frames[0] = np.eye(4)
-    for i in range(6):
-        c, s, ca, sa = np.cos(q[i]), np.sin(q[i]), np.cos(ALPHA[i]), np.sin(ALPHA[i])
-        frames[i + 1] = frames[i] @ np.array(
-            [[c, -s * ca, s * sa, A[i] * c], [s, c * ca, -c * sa, A[i] * s], [0, sa, ca, D[i]], [0, 0, 0, 1]]
-        )
-    return frames
+WRIST = SerialArm(D, A, ALPHA)  # its tool frame is frame 6
 
 
 def forward(q: np.ndarray) -> np.ndarray:
     """Pose X_06 (4, 4) of the wrist frame for joint angles q (6,)."""
-    return link_frames(q)[6]
+    return WRIST.tool_pose(q)
 
 
 def wrist_from_flange(X_0F: np.ndarray) -> np.ndarray:
     """X_06 that puts the flange frame at X_0F."""
     return X_0F @ pose(np.eye(3), [0, 0, -FLANGE])
-
-
-def jacobian(q: np.ndarray) -> np.ndarray:
-    """(6, 6) geometric Jacobian of frame 6 in frame 0; rows ordered (w, v), rad/s and m/s per rad/s."""
-    X = link_frames(q)
-    axes, origins = X[:6, :3, 2], X[:6, :3, 3]
-    return np.vstack([axes.T, np.cross(axes, X[6, :3, 3] - origins).T])
 
 
 def friction_torque(qd: np.ndarray) -> np.ndarray:

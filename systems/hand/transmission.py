@@ -62,8 +62,8 @@ def joint_rates(motor_rate: np.ndarray, motor: np.ndarray, break_away: np.ndarra
 
 
 def is_seated(motor: np.ndarray, break_away: np.ndarray) -> np.ndarray:
-    """Whether each finger's clutch (3,) is seated: it has not broken away, or the motor is back where it did."""
-    return np.asarray(motor[:3]) <= break_away
+    """Whether each finger's clutch (3,) is seated: it has not broken away, or the motor is back before the place where it did."""
+    return np.asarray(motor[:3]) < break_away
 
 
 def motor_angles(joints: np.ndarray) -> np.ndarray:
@@ -72,10 +72,10 @@ def motor_angles(joints: np.ndarray) -> np.ndarray:
     return np.append(finger, joints[SPREAD].mean())
 
 
-def finger_upper(break_away: np.ndarray) -> np.ndarray:
-    """Largest finger angle (3,): 140 degrees, less where the outer link of a broken-away finger meets its stop at 48 degrees."""
-    held = np.minimum(break_away, MOTOR_UPPER[:3])
-    return np.minimum(MOTOR_UPPER[:3], (DISTAL_UPPER + held) / _OUTER_PER_FINGER)
+def finger_upper(break_away: float) -> float:
+    """Largest angle of a finger: 140 degrees, or less where the outer link of a broken-away finger meets its stop at 48 degrees."""
+    upper = float(MOTOR_UPPER[0])
+    return min(upper, (DISTAL_UPPER + min(break_away, upper)) / _OUTER_PER_FINGER)
 
 
 def motor_torques(joint_torque: np.ndarray, seated: np.ndarray) -> np.ndarray:

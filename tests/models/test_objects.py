@@ -14,6 +14,7 @@ from pydrake.systems.framework import DiagramBuilder
 from vipr.models import model_path
 from vipr.models.build import objects, robots
 from vipr.systems.camera.lens import load_lens
+from vipr.systems.tracking.cad_model import load_model
 
 NAMES = sorted(objects.THINGS)
 PAYLOAD = 0.5  # kg beside the hand, what the arm's wrist carries at this reach
@@ -90,6 +91,14 @@ def cad_points(name):
 
 def hull(points):
     return trimesh.convex.convex_hull(np.asarray(points))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_tracker_reads_the_cad_model(name):
+    model = load_model(model_path(f"{name}/model.yaml"))
+    thing = objects.THINGS[name]()
+    assert len(model.vertices) == len(thing.points)
+    np.testing.assert_allclose(model.cylinders[:, [2, 5, 6]], np.reshape(thing.cylinders, (-1, 3)))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -65,7 +65,7 @@ def test_every_link_frame_is_where_denavit_and_hartenberg_put_it(arm, vectors):
         for i in range(7):
             X = arm.GetFrameByName(f"link_{i}").CalcPoseInWorld(context)
             np.testing.assert_allclose(X.GetAsMatrix4(), X_0L[i], **TOLERANCE)
-        np.testing.assert_allclose(puma560.link_frames(q), X_0L, **TOLERANCE)
+        np.testing.assert_allclose(puma560.WRIST.link_poses(q), X_0L, **TOLERANCE)
 
 
 def test_the_flange_lies_beyond_the_wrist(arm):
@@ -81,7 +81,7 @@ def test_jacobian_agrees_with_angular_rows_first(arm, vectors):
         arm.SetPositions(context, q)
         J = arm.CalcJacobianSpatialVelocity(context, JacobianWrtVariable.kQDot, wrist, [0, 0, 0], world, world)
         np.testing.assert_allclose(J, np.vstack([J_vw[3:], J_vw[:3]]), **TOLERANCE)
-        np.testing.assert_allclose(puma560.jacobian(q), J, **TOLERANCE)
+        np.testing.assert_allclose(puma560.WRIST.tool_pose_and_jacobian(q)[1], J, **TOLERANCE)
 
 
 def test_mass_matrix_agrees_with_and_without_rotors(arm, variant, vectors):
