@@ -83,7 +83,9 @@ class SkinRegions(Signal):
     boxes: np.ndarray = empty(0, 4)  # (n, 4) px: x, y, width, height
     person: np.ndarray = empty(0)  # (n,) 0 to 1: moves, differs from what always stood there
     faceness: np.ndarray = empty(0)  # (n,) 0 to 1: a compact shape with the marks of a face
-    labels: np.ndarray = empty(0, 0, dtype=np.uint8)  # (h', w') at working resolution: row + 1 of the region, 0 elsewhere
+    labels: np.ndarray = empty(
+        0, 0, dtype=np.uint8
+    )  # (h', w') at working resolution: row + 1 of the region, 0 elsewhere
     scale: float = 1.0  # pixels of the frame in one pixel of ``labels``
     size: tuple[int, int] = (0, 0)  # (width, height) of the frame, px; (0, 0) before the first
     time: float = 0.0  # s, middle of the exposure

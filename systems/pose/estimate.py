@@ -9,6 +9,7 @@ from math import comb
 
 import numpy as np
 from scipy.special import fdtri
+
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError

@@ -12,6 +12,7 @@ O), so the six parameters are ordered (w, translation) as everywhere in this pac
 from dataclasses import dataclass
 
 import numpy as np
+
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError

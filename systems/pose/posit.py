@@ -9,6 +9,7 @@ its reference point. All functions take leading batch dimensions and never raise
 from dataclasses import dataclass
 
 import numpy as np
+
 from vipr.systems.errors import InputError
 
 FLAT = 0.02  # third over first singular value below which a set counts as planar

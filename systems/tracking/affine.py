@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
+
 from vipr.systems.errors import InputError
 
 PARAMETERS = {"affine": 6, "quadratic": 12}

@@ -5,6 +5,7 @@ from itertools import product
 import cv2
 import numpy as np
 import pytest
+
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.affine import MotionModel, fit_affine, move_points
 
