@@ -17,6 +17,9 @@ from vipr.systems.errors import InputError
 from vipr.systems.hand import transmission
 from vipr.systems.hand.transmission import DISTAL, PROXIMAL, SPREAD
 
+# Torque limits [N m] for a pinch between the tips, below break-away: finger 3 stands against two.
+PINCH = (0.8, 0.8, 1.6, 2.0)
+
 _SPREAD_UPPER = float(transmission.MOTOR_UPPER[3])
 
 
@@ -25,9 +28,8 @@ class Drives:
     """What the four motors (fingers 1, 2, 3, spread), three clutches and eight joint servos can do."""
 
     speed: tuple[float, ...] = (2.4, 2.4, 2.4, 6.3)  # rad/s of finger and spread angle; a finger closes in 1.0 s
-    # N m per finger or spread angle; finger 3 stands against two
-    torque_limit: tuple[float, ...] = (0.8, 0.8, 1.6, 2.0)
-    break_away_torque: float = 0.5  # N m through the clutch; infinite: no TorqueSwitch
+    torque_limit: tuple[float, ...] = (1.8, 1.8, 1.8, 2.0)  # N m per finger or spread angle: 15 N at a tip
+    break_away_torque: float = 1.0  # N m through the clutch, set by the user of the hand; infinite: no TorqueSwitch
     stiffness: tuple[float, ...] = (100.0, 100.0, 60.0)  # N m/rad of spread, inner, outer joint: as in the model
     damping: tuple[float, ...] = (1.0, 1.0, 0.5)  # N m s/rad
 
