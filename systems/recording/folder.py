@@ -4,9 +4,9 @@
         ...  # build a diagram with Recorder(run.channels, run.record), simulate
         run.finish(success=True, reason="held the pose", figures={"final_translation_error_mm": 0.8})
 
-holds ``summary.json``, ``log.mcap``, ``video.mp4``, ``report.html`` and whatever else the scenario adds. A summary saying "did not finish"
-stands there from the start and is replaced, whole, at the end: also by an exception, also by Ctrl-C. One thread encodes and
-writes; the caller only hands over values (nothing is dropped: where the thread falls behind, the caller waits).
+holds ``summary.json``, ``log.mcap``, ``video.mp4``, ``report.html`` and whatever else the scenario adds. A summary and a report that say
+"did not finish" stand there from the start and are replaced, whole, at the end: also by an exception, also by Ctrl-C. One thread
+encodes and writes; the caller only hands over values (nothing is dropped: where the thread falls behind, the caller waits).
 """
 
 import contextlib
@@ -84,7 +84,7 @@ class RunFolder:
         self._lock = _take(self.path)
         try:
             self._began = time.perf_counter()
-            self._write_summary(False, UNFINISHED, {}, self._time(None, None, {}))
+            self._conclude(False, UNFINISHED, {}, self._time(0.0, 0.0, {}))
             self._log = RunLog(self.path / "log.mcap", self.channels, self._frames)
             self._video = VideoWriter(self.path / "video.mp4", self._rate, preset="ultrafast")
         except BaseException:
@@ -100,7 +100,7 @@ class RunFolder:
         if error is None:
             self.finish(success=False, reason=UNFINISHED)
             return
-        with contextlib.suppress(InputError):  # the folder's own error may be the one on its way
+        with contextlib.suppress(Exception):  # the error on its way says more, and may be the folder's own
             self.finish(success=False, reason=_reason(error))
 
     def record(self, time: float, values: Mapping[str, object]) -> None:
@@ -144,17 +144,21 @@ class RunFolder:
             seconds: wall time by name; that of the `LEDGER`, if not given.
         """
         timing = self._time(wall_s, simulated_s, LEDGER.seconds if seconds is None else seconds)
+        failed = None
         try:
             self._stop()
-            if simulated_s is None:
-                timing = self._time(timing["wall_s"], self._history.duration, timing["seconds"])
-            summary = self._write_summary(success, reason, figures or {}, timing)
-            report = make_report(
-                summary, self._history, plots=self._plots, limits=limits or {}, diagram=self.path / "diagram.svg"
-            )
-            write_whole(self.path / "report.html", report)
+        except Exception as error:
+            failed, success, reason = error, False, _reason(error)
+        if simulated_s is None:
+            timing["simulated_s"] = self._history.duration
+        try:
+            summary = self._conclude(success, reason, figures or {}, timing, self._plots, limits or {})
+        except InputError as error:
+            failed = failed or error
         finally:
             self._release()
+        if failed is not None:
+            raise failed
         return summary
 
     def _put(self, time: float, values: dict, event: Event | None) -> None:
@@ -197,14 +201,14 @@ class RunFolder:
             try:
                 if file is not None:
                     file.close()
-            except InputError as error:
+            except Exception as error:
                 failed = failed or error
         self._log = self._video = None
         if failed is not None:
             raise failed
 
     def _release(self) -> None:
-        with contextlib.suppress(InputError):
+        with contextlib.suppress(Exception):  # raised before, or by the error on its way
             self._stop()
         if self._lock is not None:
             os.close(self._lock)
@@ -214,9 +218,15 @@ class RunFolder:
         wall = time.perf_counter() - self._began if wall_s is None else wall_s
         return {"wall_s": wall, "simulated_s": simulated_s or 0.0, "seconds": dict(seconds)}
 
-    def _write_summary(self, success: bool, reason: str, figures: Mapping, timing: dict) -> dict:
+    def _conclude(self, success, reason, figures, timing, plots=(), limits=None) -> dict:
+        """Write summary and report in place of those that stand there."""
         entries = {"success": success, "reason": reason, "figures": figures, "time": time_figures(**timing)}
-        return write_summary(self.path / "summary.json", **self._about, **entries)
+        summary = write_summary(self.path / "summary.json", **self._about, **entries)
+        diagram = self.path / "diagram.svg"
+        write_whole(
+            self.path / "report.html", make_report(summary, self._history, plots=plots, limits=limits, diagram=diagram)
+        )
+        return summary
 
 
 def _reason(error: BaseException) -> str:

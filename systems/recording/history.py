@@ -39,9 +39,14 @@ class History:
         """Keep a tick, and return the events that its values tell of."""
         self._times.append(time)
         events = []
-        for name, value in values.items():
-            channel = self._channels[name]
-            if isinstance(channel, PoseChannel):
+        for name, channel in self._channels.items():
+            value = values.get(name)
+            if value is None:  # nobody wired it
+                if name in self._rows:
+                    self._rows[name].append(
+                        NO_POSE if isinstance(channel, PoseChannel) else np.full(channel.size, np.nan)
+                    )
+            elif isinstance(channel, PoseChannel):
                 X = value.X_CO if channel.tracked else value
                 self._rows[name].append(X if known(channel, value) else NO_POSE)
                 if channel.tracked:
@@ -83,7 +88,9 @@ class History:
         kept = self._stills
         if self._last_image is not None and kept[-1][0] != self._last_image[0]:
             kept = [*kept, self._last_image]
-        chosen = sorted({round(i) for i in np.linspace(0, len(kept) - 1, STILLS)}) if kept else []
+        times = np.array([time for time, _ in kept])
+        wanted = np.linspace(times[0], times[-1], STILLS) if kept else []
+        chosen = sorted({int(np.argmin(np.abs(times - time))) for time in wanted})
         return [(kept[i][0], _jpeg(kept[i][1])) for i in chosen]
 
     def _change(self, time: float, source: str, text: str, level: str) -> list[Event]:

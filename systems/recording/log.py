@@ -97,16 +97,22 @@ class RunLog:
         for event in events:
             message = Log(timestamp=stamp(event.time), level=LEVELS[event.level], message=event.text, name=event.source)
             self._events.log(message, log_time=nanoseconds(event.time))
-        self._writer.flush()
-        self._file.check()
+        self._finish(self._writer.flush)
 
     def close(self) -> None:
         """Write the index and close the file."""
         try:
-            self._writer.close()
-            self._file.check()
+            self._finish(self._writer.close)
         finally:
             self._file.close()
+
+    def _finish(self, act) -> None:
+        try:
+            act()
+        except Exception:
+            self._file.check()  # the file's own error says what happened
+            raise
+        self._file.check()
 
     def _open(self, channel: Channel) -> None:
         name = channel.name
@@ -153,7 +159,7 @@ class _Unbuffered:
     """The file below the log. The SDK only prints what goes wrong with it: here the first error is kept and `check` raises it."""
 
     def __init__(self, path: Path):
-        self.path, self.error = path, None
+        self.path, self.error, self.whole = path, None, 0  # whole: size up to the last finished tick
         try:
             self._file = open(path, "wb", buffering=0)
         except OSError as error:
@@ -169,11 +175,16 @@ class _Unbuffered:
         """Nothing is held back."""
 
     def close(self) -> None:
+        """Close it, after an error without the piece of a tick that still went in."""
+        if self.error is not None and self._file.seekable():
+            self._file.truncate(self.whole)
         self._file.close()
 
     def check(self) -> None:
+        """Raise the first error; without one, all that was written is whole."""
         if self.error is not None:
             raise cannot_be_written(self.path, self.error)
+        self.whole = self._file.tell()
 
     def _write(self, data) -> int:
         view = memoryview(data)

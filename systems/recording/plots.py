@@ -72,7 +72,7 @@ def _figure(plot: Plot, history: History) -> Figure:
     figure = Figure(figsize=(8.4, 2.9), layout="constrained")
     axes = figure.subplots()
     for k, line in enumerate(plot.lines):
-        look = {"color": TRUTH, "lw": 1.0, "ls": "--", "zorder": 3} if line.truth else _look(k)
+        look = {"color": TRUTH, "lw": 1.0, "ls": (0, (4, 4)), "zorder": 3} if line.truth else _look(k)
         _line(axes, history.times, plot.scale * history.numbers(line.numbers), label=line.label, **look)
     _finish(axes, plot.title, f"{plot.y_label} [{plot.unit or '1'}]", plot.limit)
     if len(plot.lines) > 1:
@@ -89,7 +89,16 @@ def _pose_figure(plot: PosePlot, history: History) -> Figure:
     for k, axis in enumerate("xyz"):
         for axes, seen, real in ((position, p, p_true), (rotation, r, r_true)):
             _line(axes, times, seen[:, k], label=axis, **_look(k))
-            _line(axes, times, real[:, k], color=TRUTH, lw=0.9, ls="--", zorder=3, label="truth" if k == 2 else None)
+            _line(
+                axes,
+                times,
+                real[:, k],
+                color=TRUTH,
+                lw=0.9,
+                ls=(0, (4, 4)),
+                zorder=3,
+                label="truth" if k == 2 else None,
+            )
     _line(position_error, times, np.linalg.norm(p - p_true, axis=1), **_look(3))
     angles = [angle_between(A, B) if np.isfinite(A + B).all() else np.nan for A, B in zip(estimate, truth, strict=True)]
     _line(rotation_error, times, np.rad2deg(angles), **_look(3))
@@ -114,7 +123,7 @@ def _motion(poses: np.ndarray, truth: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def _look(k: int) -> dict:
-    return {"color": COLOURS[k % len(COLOURS)], "lw": 1.6}
+    return {"color": COLOURS[k % len(COLOURS)], "lw": 1.8}
 
 
 def _line(axes, times, values, **look) -> None:
