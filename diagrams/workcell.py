@@ -1,0 +1,212 @@
+"""The workcell of the paper's section III-C: a Puma 560 with a Barrett Hand, a table, an object on a motorised stage, one fixed camera."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
+from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains, SpatialInertia, UnitInertia
+from pydrake.systems.controllers import InverseDynamics
+from pydrake.systems.framework import Diagram, DiagramBuilder
+
+from vipr.models import model_path
+from vipr.systems import se3
+from vipr.systems.arm import puma560
+from vipr.systems.arm.encoders import JointEncoders
+from vipr.systems.arm.kinematics import SerialArm
+from vipr.systems.arm.resolved_rate import JointLimits
+from vipr.systems.camera.camera import Camera
+from vipr.systems.camera.imperfections import Imperfection
+from vipr.systems.camera.lens import Lens, load_lens
+from vipr.systems.camera.offscreen import add_renderer, colour_sensor, daylight
+from vipr.systems.hand.driver import HandDriver
+from vipr.systems.truth import PoseTruth
+
+RENDERER = "vtk"
+STAGE = np.array([0.58, 0.0, 0.52])  # m, middle of the stage's plate at its zero
+HAND_MASS, HAND_CENTRE = 1.1, 0.06  # kg; m from the flange: what the gravity compensation is told of the hand
+
+# Joint servo: stiff in the first three joints; damping against the inertia of rotor and links (N m/rad, N m s/rad).
+STIFFNESS = np.array([4000.0, 4000.0, 3000.0, 400.0, 400.0, 400.0])
+DAMPING = 1.8 * np.sqrt(STIFFNESS * np.maximum(0.3, puma560.REFLECTED_INERTIA))
+ACCELERATION = np.array([4.0, 4.0, 6.0, 12.0, 12.0, 12.0])  # rad/s^2, of the set-points: a smooth start for the servo
+ARM_COUNT = 2 * np.pi / (1000 * np.abs(puma560.GEAR_RATIO))  # rad, encoders of 1000 counts a motor turn
+HAND_COUNT = 2 * np.pi / (360 * np.array([17.5, 125, 375, 17.5, 125, 375, 125, 375]))  # rad, 360 counts a motor turn
+
+
+def fixed_camera(distance: float = 2.0) -> np.ndarray:
+    """X_WC of the camera on its tripod: before the stage, to its right, looking a little down, at the given distance [m]."""
+    target, direction = STAGE + [0, 0, 0.16], np.array([0.80, -0.50, 0.33])
+    z = -direction / np.linalg.norm(direction)
+    x = np.cross(z, [0.0, 0.0, 1.0])
+    x /= np.linalg.norm(x)
+    return se3.pose(np.column_stack([x, np.cross(z, x), z]), target - distance * z)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorkcellConfig:
+    """What stands in the workcell and where."""
+
+    object: str = "milk_carton"  # a folder of vipr.models
+    stage_initial: tuple[float, float, float] = (
+        0.0,
+        0.0,
+        0.0,
+    )  # m, m, rad: x, y, yaw of the stage, the object on its plate
+    q_initial: np.ndarray = field(default_factory=lambda: puma560.NAMED["nominal"])  # rad
+    lens: Lens = field(default_factory=lambda: load_lens(model_path("xc77/camera.yaml")))
+    X_WC: np.ndarray = field(default_factory=fixed_camera)
+    imperfection: Imperfection = Imperfection()
+    seed: int = 0
+    time_step: float = 0.002  # s, of the physics
+    camera_period: float = 0.04  # s
+
+    @property
+    def X_WO_initial(self) -> np.ndarray:
+        """Where the object stands at the start."""
+        x, y, yaw = self.stage_initial
+        return se3.pose(se3.exp_so3(np.array([0.0, 0.0, yaw])), STAGE + [x, y, 0.0])
+
+
+class Workcell(Diagram):
+    """Arm, hand, table, stage, object and camera: everything that would be hardware.
+
+    .. pydrake_system::
+
+        name: Workcell
+        input_ports:
+        - arm_desired_state
+        - motor_command
+        - stage_desired_state
+        output_ports:
+        - frame
+        - joint_state
+        - motor_position
+        - finger_torque
+        - X_WO_true
+        - X_WE_true
+        - X_CO_true
+
+    ::
+
+        arm_desired_state ───────────────▶ plant ──▶ encoders ─────┬──▶ joint_state
+                  gravity_compensation ──▶   │                     │
+                          ▲──────────────────┼─────────────────────┘
+        motor_command ──▶ hand_driver ───▶   ├─▶ hand_encoders ─▶ hand_driver ─▶ motor_position, finger_torque
+        stage_desired_state ─────────────▶   ├─▶ truth ─▶ X_WO_true, X_WE_true, X_CO_true
+                                             └─▶ scene_graph ─▶ sensor ─▶ camera ─▶ frame
+
+    Frames: W world, on the floor at the arm's foot, x ahead, z up; C camera; O object; E hand (the hand's ``grasp`` frame).
+    ``arm_desired_state`` (12) is [q; qdot] of the joint servo [rad, rad/s], ``motor_command`` (4) the angles of the hand [rad],
+    ``stage_desired_state`` (6) [x, y, yaw; rates] of the stage. ``frame`` is the camera's, ``joint_state`` (12) the encoders' [q; qdot].
+
+    The joint servo is a PD controller in each joint with gravity compensation from a nominal model of arm and hand, fed by the encoders.
+    Coulomb friction is not simulated; viscous friction and rotor inertia are.
+    """
+
+    def __init__(self, config: WorkcellConfig):
+        super().__init__()
+        self.config = config
+        builder = DiagramBuilder()
+        plant, scene_graph = AddMultibodyPlant(
+            MultibodyPlantConfig(time_step=config.time_step, stiction_tolerance=1e-4), builder
+        )
+        plant.set_name("plant")
+        scene_graph.set_name("scene_graph")
+        self.plant = plant
+        models = _add_models(plant, config)
+        puma, hand, stage = models["puma560"], models["barrett_hand"], models["motion_stage"]
+        X_HE = plant.GetFrameByName("grasp", hand).GetFixedPoseInBodyFrame().GetAsMatrix4()
+        X_6E = se3.pose(np.eye(3), [0, 0, puma560.FLANGE]) @ X_HE
+        self.arm = SerialArm(puma560.D, puma560.A, puma560.ALPHA, X_6E)
+        self.joint_limits = JointLimits(
+            puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION
+        )
+        add_renderer(scene_graph, RENDERER, daylight())
+
+        encoders = builder.AddNamedSystem("encoders", JointEncoders(ARM_COUNT))
+        gravity = builder.AddNamedSystem("gravity_compensation", _gravity_compensation())
+        hand_encoders = builder.AddNamedSystem("hand_encoders", JointEncoders(HAND_COUNT))
+        hand_driver = builder.AddNamedSystem("hand_driver", HandDriver())
+        X_WC = RigidTransform(config.X_WC)
+        sensor = builder.AddNamedSystem("sensor", colour_sensor(config.lens, X_WC, RENDERER))
+        width, height = config.lens.width, config.lens.height
+        camera = builder.AddNamedSystem(
+            "camera",
+            Camera(width, height, imperfection=config.imperfection, seed=config.seed, period=config.camera_period),
+        )
+        thing, palm = plant.GetBodyByName(config.object), plant.GetBodyByName("palm", hand)
+        truth = builder.AddNamedSystem("truth", PoseTruth(thing.index(), palm.index(), X_HE, config.X_WC))
+
+        for writer, reader in (
+            (plant.get_state_output_port(puma), encoders.GetInputPort("state")),
+            (encoders.GetOutputPort("joint_state"), gravity.get_input_port_estimated_state()),
+            (gravity.get_output_port(), plant.get_actuation_input_port(puma)),
+            (plant.get_state_output_port(hand), hand_encoders.GetInputPort("state")),
+            (hand_encoders.GetOutputPort("joint_state"), hand_driver.GetInputPort("hand_state")),
+            (plant.get_net_actuation_output_port(hand), hand_driver.GetInputPort("joint_torque")),
+            (hand_driver.GetOutputPort("desired_state"), plant.get_desired_state_input_port(hand)),
+            (scene_graph.get_query_output_port(), sensor.query_object_input_port()),
+            (sensor.color_image_output_port(), camera.GetInputPort("color_image")),
+            (plant.get_body_poses_output_port(), truth.GetInputPort("body_poses")),
+        ):
+            builder.Connect(writer, reader)
+        builder.ExportInput(plant.get_desired_state_input_port(puma), "arm_desired_state")
+        builder.ExportInput(hand_driver.GetInputPort("motor_command"), "motor_command")
+        builder.ExportInput(plant.get_desired_state_input_port(stage), "stage_desired_state")
+        for system, names in (
+            (camera, ("frame",)),
+            (encoders, ("joint_state",)),
+            (hand_driver, ("motor_position", "finger_torque")),
+            (truth, ("X_WO_true", "X_WE_true", "X_CO_true")),
+        ):
+            for name in names:
+                builder.ExportOutput(system.GetOutputPort(name), name)
+        builder.BuildInto(self)
+        self.set_name("workcell")
+
+
+def _parser(plant: MultibodyPlant) -> Parser:
+    parser = Parser(plant)
+    parser.package_map().AddXml(str(model_path("package.xml")))
+    return parser
+
+
+def _add_models(plant: MultibodyPlant, config: WorkcellConfig) -> dict[str, ModelInstanceIndex]:
+    """Everything in its place, gains and start positions set, finalized; the model instances by name."""
+    parser = _parser(plant)
+    parser.AddModels(url="package://vipr/workcell/workcell.dmd.yaml")
+    parser.AddModels(url=f"package://vipr/{config.object}/{config.object}.sdf")
+    camera = parser.AddModels(url="package://vipr/xc77/xc77.sdf")[0]
+    tripod = parser.AddModels(url="package://vipr/xc77/tripod.sdf")[0]
+    X_WC = RigidTransform(config.X_WC)
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("camera", camera), X_WC)
+    X_WT = RigidTransform(RollPitchYaw(0, 0, np.arctan2(*X_WC.rotation().matrix()[1::-1, 2])), X_WC.translation())
+    X_TripodHead = RigidTransform([-0.09, 0.0, -0.02])
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("tripod", tripod), X_WT @ X_TripodHead)
+    models = {name: plant.GetModelInstanceByName(name) for name in ("puma560", "barrett_hand", "motion_stage")}
+    for i, (p, d) in enumerate(zip(STIFFNESS, DAMPING, strict=True), start=1):
+        plant.GetJointActuatorByName(f"joint_{i}", models["puma560"]).set_controller_gains(PdControllerGains(p=p, d=d))
+    for i, q in enumerate(config.q_initial, start=1):
+        plant.GetJointByName(f"joint_{i}", models["puma560"]).set_default_angle(q)
+    for axis, value in zip(("x", "y"), config.stage_initial, strict=False):
+        plant.GetJointByName(f"stage_{axis}").set_default_translation(value)
+    plant.GetJointByName("stage_yaw").set_default_angle(config.stage_initial[2])
+    plant.SetDefaultFloatingBaseBodyPose(plant.GetBodyByName(config.object), RigidTransform(config.X_WO_initial))
+    plant.Finalize()
+    return models
+
+
+def _gravity_compensation() -> InverseDynamics:
+    """Torques that hold a nominal arm with the hand as a point of known mass, from the measured state."""
+    nominal = MultibodyPlant(0.0)
+    _parser(nominal).AddModels(url="package://vipr/puma560/puma560.sdf")
+    nominal.WeldFrames(nominal.world_frame(), nominal.GetFrameByName("link_0"))
+    inertia = SpatialInertia(
+        HAND_MASS, [0, 0, HAND_CENTRE], UnitInertia.SolidSphere(0.05).ShiftFromCenterOfMass([0, 0, HAND_CENTRE])
+    )
+    payload = nominal.AddRigidBody("hand", inertia)
+    nominal.WeldFrames(nominal.GetFrameByName("flange"), payload.body_frame())
+    nominal.Finalize()
+    return InverseDynamics(nominal, InverseDynamics.InverseDynamicsMode.kGravityCompensation)

@@ -1,0 +1,59 @@
+"""What a scenario is: settings, a robot, what is logged of it, and a judgement."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, ClassVar
+
+from pydrake.systems.framework import Diagram
+
+from vipr.systems.recording.channels import Channel
+from vipr.systems.recording.report import Plot
+from vipr.systems.recording.series import Series
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended: every figure's name ends in its unit."""
+
+    success: bool
+    reason: str
+    figures: dict[str, float] = field(default_factory=dict)
+
+
+class Scenario(ABC):
+    """One thing a robot does, from its settings and a seed; the same pair always does the same."""
+
+    name: ClassVar[str]
+    summary: ClassVar[str]  # one line for `vipr list`
+    settings_type: ClassVar[type]
+
+    def __init__(self, settings: Any, seed: int):
+        self.settings, self.seed = settings, seed
+
+    @classmethod
+    def settings_file(cls) -> Path:
+        """The YAML file of the scenario's values."""
+        return Path(str(files("vipr.scenarios"))) / f"{cls.name}.yaml"
+
+    @property
+    @abstractmethod
+    def duration(self) -> float:
+        """Simulated time [s]."""
+
+    @abstractmethod
+    def build(self) -> Diagram:
+        """The robot; every channel's port is exported under the channel's name."""
+
+    @abstractmethod
+    def channels(self) -> list[Channel]:
+        """What the recorder takes down, each from the robot's output port of the same name."""
+
+    @abstractmethod
+    def plots(self) -> list[Plot]:
+        """What the report draws of it."""
+
+    @abstractmethod
+    def judge(self, series: dict[str, Series]) -> Outcome:
+        """The outcome of a run that reached its end, from what was taken down."""
