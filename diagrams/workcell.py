@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
-from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains, SpatialInertia, UnitInertia
+from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains, SpatialInertia
 from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
@@ -126,7 +126,11 @@ class Workcell(Diagram):
         add_renderer(scene_graph, RENDERER, daylight())
 
         encoders = builder.AddNamedSystem("encoders", JointEncoders(ARM_COUNT))
-        gravity = builder.AddNamedSystem("gravity_compensation", _gravity_compensation())
+        self._nominal = _nominal_arm()  # InverseDynamics keeps only a pointer to it
+        gravity = builder.AddNamedSystem(
+            "gravity_compensation",
+            InverseDynamics(self._nominal, InverseDynamics.InverseDynamicsMode.kGravityCompensation),
+        )
         hand_encoders = builder.AddNamedSystem("hand_encoders", JointEncoders(HAND_COUNT))
         hand_driver = builder.AddNamedSystem("hand_driver", HandDriver())
         X_WC = RigidTransform(config.X_WC)
@@ -169,7 +173,7 @@ class Workcell(Diagram):
 
 def _parser(plant: MultibodyPlant) -> Parser:
     parser = Parser(plant)
-    parser.package_map().AddXml(str(model_path("package.xml")))
+    parser.package_map().AddPackageXml(str(model_path("package.xml")))
     return parser
 
 
@@ -198,15 +202,13 @@ def _add_models(plant: MultibodyPlant, config: WorkcellConfig) -> dict[str, Mode
     return models
 
 
-def _gravity_compensation() -> InverseDynamics:
-    """Torques that hold a nominal arm with the hand as a point of known mass, from the measured state."""
-    nominal = MultibodyPlant(0.0)
-    _parser(nominal).AddModels(url="package://vipr/puma560/puma560.sdf")
-    nominal.WeldFrames(nominal.world_frame(), nominal.GetFrameByName("link_0"))
-    inertia = SpatialInertia(
-        HAND_MASS, [0, 0, HAND_CENTRE], UnitInertia.SolidSphere(0.05).ShiftFromCenterOfMass([0, 0, HAND_CENTRE])
-    )
-    payload = nominal.AddRigidBody("hand", inertia)
-    nominal.WeldFrames(nominal.GetFrameByName("flange"), payload.body_frame())
-    nominal.Finalize()
-    return InverseDynamics(nominal, InverseDynamics.InverseDynamicsMode.kGravityCompensation)
+def _nominal_arm() -> MultibodyPlant:
+    """What the controller believes the arm weighs: the Puma with the hand as a ball of known mass."""
+    plant = MultibodyPlant(0.0)
+    _parser(plant).AddModels(url="package://vipr/puma560/puma560.sdf")
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("link_0"))
+    ball = SpatialInertia.SolidSphereWithMass(HAND_MASS, 0.05).Shift([0.0, 0.0, -HAND_CENTRE])
+    hand = plant.AddRigidBody("hand", plant.AddModelInstance("hand"), ball)
+    plant.WeldFrames(plant.GetFrameByName("flange"), hand.body_frame())
+    plant.Finalize()
+    return plant

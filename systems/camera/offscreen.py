@@ -44,14 +44,14 @@ def add_renderer(scene_graph: SceneGraph, name: str, parameters: RenderEngineVtk
 
 
 def daylight() -> RenderEngineVtkParams:
-    """A room in daylight: lights fixed in the world (Drake's default light moves with the camera), no fallback light."""
+    """A room in daylight: lights fixed in the world; Drake's default light moves with the camera."""
     lights = [
         LightParameter(type="directional", direction=[-0.5, 0.4, -0.9], intensity=0.9, frame="world"),
         LightParameter(type="directional", direction=[0.3, 0.8, -0.4], intensity=0.45, frame="world"),
         LightParameter(type="directional", direction=[-0.6, -0.7, -0.2], intensity=0.35, frame="world"),
         LightParameter(type="directional", direction=[0.0, 0.0, 1.0], intensity=0.15, frame="world"),
     ]
-    return RenderEngineVtkParams(lights=lights, fallback_lights=[])
+    return RenderEngineVtkParams(lights=lights)
 
 
 def colour_sensor(lens: Lens, X_WC: RigidTransform, renderer: str) -> RgbdSensor:
