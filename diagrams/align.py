@@ -10,6 +10,7 @@ from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.servo.controller import PositionBasedServo
 from vipr.systems.servo.position_based import PositionBased
 from vipr.systems.servo.target_filter import TargetMotion
+from vipr.systems.tracking.annotator import PoseAnnotator
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
@@ -44,7 +45,7 @@ class AlignRobot(Diagram):
         - stage_desired_state
         - motor_command
         output_ports:
-        - frame
+        - picture
         - object_pose
         - V_WE_W
         - servo_error
@@ -74,7 +75,7 @@ class AlignRobot(Diagram):
         truth    |0 keeps the truth of the exposure, 38 compares
 
     Frames: W world, C camera, O object, E hand (see ``Workcell``), G = its reference pose X_OG. ``tracking_error`` and ``alignment_error``
-    are against truth (see ``systems.truth``) and reach no controller.
+    are against truth (see ``systems.truth``) and reach no controller. ``picture`` is the frame with the tracked edges drawn in.
     """
 
     def __init__(
@@ -118,6 +119,7 @@ class AlignRobot(Diagram):
                 workcell.arm, workcell.joint_limits, config.q_initial, period=schedule.arm, offset=schedule.arm_offset
             ),
         )
+        annotator = builder.AddNamedSystem("annotator", PoseAnnotator(model, config.lens))
         tracking_error = builder.AddNamedSystem(
             "tracking_error", TrackingError(period=period, judge_offset=schedule.judge_offset)
         )
@@ -127,6 +129,8 @@ class AlignRobot(Diagram):
             (cell, "frame", tracker, "frame"),
             (tracker, "object_pose", servo, "object_pose"),
             (cell, "joint_state", servo, "joint_state"),
+            (cell, "frame", annotator, "frame"),
+            (tracker, "object_pose", annotator, "object_pose"),
             (servo, "V_WE_W", arm, "V_WE_W"),
             (arm, "desired_state", cell, "arm_desired_state"),
             (cell, "X_CO_true", tracking_error, "X_CO_true"),
@@ -139,7 +143,7 @@ class AlignRobot(Diagram):
         for name in ("stage_desired_state", "motor_command"):
             builder.ExportInput(cell.GetInputPort(name), name)
         for system, names in (
-            (cell, ("frame",)),
+            (annotator, ("picture",)),
             (tracker, ("object_pose",)),
             (servo, ("V_WE_W", "servo_error")),
             (arm, ("desired_state", "limited_by")),

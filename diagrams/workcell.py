@@ -25,6 +25,7 @@ from vipr.systems.truth import PoseTruth
 
 RENDERER = "vtk"
 STAGE = np.array([0.58, 0.0, 0.52])  # m, middle of the stage's plate at its zero
+GRASP_CENTRE = 0.135  # m, from the hand's mounting face to its frame ``grasp``
 HAND_MASS, HAND_CENTRE = 1.1, 0.06  # kg; m from the flange: what the gravity compensation is told of the hand
 
 # Joint servo: stiff in the first three joints; damping against the inertia of rotor and links (N m/rad, N m s/rad).
@@ -42,6 +43,12 @@ def fixed_camera(distance: float = 2.0) -> np.ndarray:
     x = np.cross(z, [0.0, 0.0, 1.0])
     x /= np.linalg.norm(x)
     return se3.pose(np.column_stack([x, np.cross(z, x), z]), target - distance * z)
+
+
+def puma_with_hand() -> SerialArm:
+    """The arm's kinematics with the hand's grasp centre as tool E."""
+    X_6E = se3.pose(np.eye(3), [0.0, 0.0, puma560.FLANGE + GRASP_CENTRE])
+    return SerialArm(puma560.D, puma560.A, puma560.ALPHA, X_6E)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,9 +124,7 @@ class Workcell(Diagram):
         self.plant = plant
         models = _add_models(plant, config)
         puma, hand, stage = models["puma560"], models["barrett_hand"], models["motion_stage"]
-        X_HE = plant.GetFrameByName("grasp", hand).GetFixedPoseInBodyFrame().GetAsMatrix4()
-        X_6E = se3.pose(np.eye(3), [0, 0, puma560.FLANGE]) @ X_HE
-        self.arm = SerialArm(puma560.D, puma560.A, puma560.ALPHA, X_6E)
+        self.arm = puma_with_hand()
         self.joint_limits = JointLimits(
             puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION
         )
@@ -141,7 +146,10 @@ class Workcell(Diagram):
             Camera(width, height, imperfection=config.imperfection, seed=config.seed, period=config.camera_period),
         )
         thing, palm = plant.GetBodyByName(config.object), plant.GetBodyByName("palm", hand)
-        truth = builder.AddNamedSystem("truth", PoseTruth(thing.index(), palm.index(), X_HE, config.X_WC))
+        X_palm_E = plant.GetFrameByName("grasp", hand).GetFixedPoseInBodyFrame()
+        truth = builder.AddNamedSystem(
+            "truth", PoseTruth(thing.index(), palm.index(), X_palm_E.GetAsMatrix4(), config.X_WC)
+        )
 
         for writer, reader in (
             (plant.get_state_output_port(puma), encoders.GetInputPort("state")),

@@ -10,3 +10,8 @@ def model_path(relative: str) -> Path:
     if not path.exists():
         raise FileNotFoundError(f"vipr.models has no {relative!r}")
     return path
+
+
+def object_names() -> list[str]:
+    """The objects that have a CAD edge model."""
+    return sorted(path.parent.name for path in model_path("package.xml").parent.glob("*/model.yaml"))

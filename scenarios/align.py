@@ -7,7 +7,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, TrajectorySource
 
 from vipr.diagrams.align import AlignRobot, Schedule
-from vipr.diagrams.workcell import Workcell, WorkcellConfig, fixed_camera, hand_frame
+from vipr.diagrams.workcell import Workcell, WorkcellConfig, fixed_camera, puma_with_hand
 from vipr.models import model_path, object_names
 from vipr.scenarios.motions import out_and_back
 from vipr.scenarios.scenario import Outcome, Scenario
@@ -58,10 +58,20 @@ class AlignSettings:
         for name in ("approach_s", "settle_s"):
             if not 0.5 <= getattr(self, name) <= 600:
                 raise InputError(f"align: {name} must be 0.5 to 600 s, got {getattr(self, name)}")
-        for name, most in (("object_speed_m_s", 0.4), ("object_turn_deg_s", 180), ("cruise_s", 60), ("start_turn_deg", 60)):
+        for name, most in (
+            ("object_speed_m_s", 0.4),
+            ("object_turn_deg_s", 180),
+            ("cruise_s", 60),
+            ("start_turn_deg", 60),
+        ):
             if not 0 <= getattr(self, name) <= most:
                 raise InputError(f"align: {name} must be 0 to {most}, got {getattr(self, name)}")
-        for name, most in (("clearance_m", 0.3), ("initial_error_mm", 500), ("initial_error_deg", 180), ("start_offset_m", 0.3)):
+        for name, most in (
+            ("clearance_m", 0.3),
+            ("initial_error_mm", 500),
+            ("initial_error_deg", 180),
+            ("start_offset_m", 0.3),
+        ):
             if not 0 <= getattr(self, name) <= most:
                 raise InputError(f"align: {name} must be 0 to {most}, got {getattr(self, name)}")
 
@@ -80,18 +90,29 @@ class Align(Scenario):
         self._cad = load_model(self._model_file)
         stage = np.array([*rng.uniform(-0.03, 0.03, 2), np.deg2rad(rng.uniform(-30, 30))])
         heading, turn = rng.uniform(-np.pi, np.pi), rng.choice([-1.0, 1.0])
-        rate = np.array([*(s.object_speed_m_s * np.array([np.cos(heading), np.sin(heading)])), np.deg2rad(turn * s.object_turn_deg_s)])
+        rate = np.array(
+            [
+                *(s.object_speed_m_s * np.array([np.cos(heading), np.sin(heading)])),
+                np.deg2rad(turn * s.object_turn_deg_s),
+            ]
+        )
         cruise = max(s.cruise_s, 1e-3)
         self._motion = out_and_back(stage, rate, begin=s.approach_s, cruise=cruise)
-        self._X_OG = reference_pose(self._cad.vertices, s.clearance_m)
+        self._X_OG = reference_pose(self._cad.corners, s.clearance_m)
         X_WC = fixed_camera()
         X_WO = WorkcellConfig(object=s.object, stage_initial=tuple(stage)).X_WO_initial
         aside = np.array([*rng.uniform(-1, 1, 2) * s.start_offset_m, rng.uniform(0.03, 0.10)])
         X_WG = X_WO @ self._X_OG
-        X_WE = se3.pose(se3.exp_so3(_direction(rng) * np.deg2rad(s.start_turn_deg) * rng.uniform()) @ X_WG[:3, :3], X_WG[:3, 3] + aside)
-        q_goal = puma560.inverse_near(X_WG @ se3.inverse(hand_frame()), puma560.NAMED["nominal"])
-        q_start = puma560.inverse_near(X_WE @ se3.inverse(hand_frame()), q_goal)
-        error = se3.pose(se3.exp_so3(_direction(rng) * np.deg2rad(s.initial_error_deg)), _direction(rng) * 1e-3 * s.initial_error_mm)
+        X_WE = se3.pose(
+            se3.exp_so3(_direction(rng) * np.deg2rad(s.start_turn_deg) * rng.uniform()) @ X_WG[:3, :3],
+            X_WG[:3, 3] + aside,
+        )
+        X_E6 = se3.inverse(puma_with_hand().X_6E)
+        q_goal = puma560.inverse_near(X_WG @ X_E6, puma560.NAMED["nominal"])
+        q_start = puma560.inverse_near(X_WE @ X_E6, q_goal)
+        error = se3.pose(
+            se3.exp_so3(_direction(rng) * np.deg2rad(s.initial_error_deg)), _direction(rng) * 1e-3 * s.initial_error_mm
+        )
         X_CO = se3.inverse(X_WC) @ X_WO
         self._X_CO_initial = se3.pose(error[:3, :3] @ X_CO[:3, :3], X_CO[:3, 3] + error[:3, 3])
         self._config = WorkcellConfig(
@@ -112,13 +133,15 @@ class Align(Scenario):
                 self._cad,
                 self._X_CO_initial,
                 self._X_OG,
+                X_WC=self._config.X_WC,
                 tracker=s.tracker,
                 law=s.servo,
                 motion=s.target,
             ),
         )
         stage = builder.AddNamedSystem(
-            "stage_motion", TrajectorySource(self._motion, output_derivative_order=1, zero_derivatives_beyond_limits=True)
+            "stage_motion",
+            TrajectorySource(self._motion, output_derivative_order=1, zero_derivatives_beyond_limits=True),
         )
         fingers = builder.AddNamedSystem("fingers_open", ConstantVectorSource(np.zeros(4)))
         builder.Connect(stage.get_output_port(), robot.GetInputPort("stage_desired_state"))
@@ -149,15 +172,28 @@ class Align(Scenario):
         return {("world", "camera"): self._config.X_WC}
 
     def plots(self):
-        s = self.settings
         position = tuple(Line(f"alignment_error.{axis}", axis) for axis in AXES[3:])
         rotation = tuple(Line(f"alignment_error.{axis}", axis) for axis in AXES[:3])
         return [
             Plot("Hand from its reference pose, against truth: position", "error", "mm", position, scale=1e3),
-            Plot("Hand from its reference pose, against truth: rotation", "error", "deg", rotation, scale=np.rad2deg(1.0)),
+            Plot(
+                "Hand from its reference pose, against truth: rotation", "error", "deg", rotation, scale=np.rad2deg(1.0)
+            ),
             PosePlot("Object in the camera", "object_pose", "X_CO_true", limits=None),
-            Plot("Hand's commanded velocity", "velocity", "mm/s", tuple(Line(f"V_WE_W.{a}", a) for a in AXES[3:]), scale=1e3),
-            Plot("Joint angles", "angle", "deg", tuple(Line(f"joint_state.{j}", j) for j in JOINTS), scale=np.rad2deg(1.0)),
+            Plot(
+                "Hand's commanded velocity",
+                "velocity",
+                "mm/s",
+                tuple(Line(f"V_WE_W.{a}", a) for a in AXES[3:]),
+                scale=1e3,
+            ),
+            Plot(
+                "Joint angles",
+                "angle",
+                "deg",
+                tuple(Line(f"joint_state.{j}", j) for j in JOINTS),
+                scale=np.rad2deg(1.0),
+            ),
         ]
 
     def judge(self, history: History) -> Outcome:
@@ -180,7 +216,11 @@ class Align(Scenario):
             "exposure_to_command_ms": 1e3 * Schedule().exposure_to_command,
         }
         allowed = self.limits()
-        over = [f"{name} {figures[name]:.2f}, allowed {limit:g}" for name, limit in allowed.items() if not figures[name] <= limit]
+        over = [
+            f"{name} {figures[name]:.2f}, allowed {limit:g}"
+            for name, limit in allowed.items()
+            if not figures[name] <= limit
+        ]
         return Outcome(not over, "; ".join(over) or "the hand found its place and kept it", figures)
 
     def limits(self) -> dict[str, float]:
@@ -193,9 +233,9 @@ class Align(Scenario):
         }
 
 
-def reference_pose(vertices_O: np.ndarray, clearance: float) -> np.ndarray:
+def reference_pose(corners_O: np.ndarray, clearance: float) -> np.ndarray:
     """X_OG: palm down, the hand's grasp centre ``clearance`` [m] above the middle of the object's top."""
-    low, high = vertices_O.min(axis=0), vertices_O.max(axis=0)
+    low, high = corners_O.min(axis=0), corners_O.max(axis=0)
     middle = 0.5 * (low + high)
     return se3.pose(np.diag([1.0, -1.0, -1.0]), [middle[0], middle[1], high[2] + clearance])
 

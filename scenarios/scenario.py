@@ -6,11 +6,12 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
 from pydrake.systems.framework import Diagram
 
 from vipr.systems.recording.channels import Channel
-from vipr.systems.recording.report import Plot
-from vipr.systems.recording.series import Series
+from vipr.systems.recording.history import History
+from vipr.systems.recording.plots import Plot, PosePlot
 
 
 @dataclass(frozen=True)
@@ -51,9 +52,17 @@ class Scenario(ABC):
         """What the recorder takes down, each from the robot's output port of the same name."""
 
     @abstractmethod
-    def plots(self) -> list[Plot]:
+    def plots(self) -> list[Plot | PosePlot]:
         """What the report draws of it."""
 
+    def frames(self) -> dict[tuple[str, str], np.ndarray]:
+        """Poses that never change, ``{(parent, child): X_PC}``, for the log."""
+        return {}
+
+    def limits(self) -> dict[str, float]:
+        """What figures may reach at most, by their names, for the report."""
+        return {}
+
     @abstractmethod
-    def judge(self, series: dict[str, Series]) -> Outcome:
+    def judge(self, history: History) -> Outcome:
         """The outcome of a run that reached its end, from what was taken down."""

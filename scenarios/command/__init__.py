@@ -8,7 +8,7 @@ import sys
 
 import typer
 
-from vipr.scenarios.command import bench, track
+from vipr.scenarios.command import bench, run, track
 from vipr.scenarios.command.output import print_error
 from vipr.systems.errors import InputError
 
@@ -20,6 +20,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+run.register(app)
 track.register(app)
 bench.register(app)
 

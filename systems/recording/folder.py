@@ -117,6 +117,13 @@ class RunFolder:
             raise InputError(f"event {source}: level must be info, warning or error, got {level!r}")
         self._put(time, {}, Event(time, source, text, level))
 
+    def history(self) -> History:
+        """Everything recorded so far; waits until it is written, and raises what went wrong with it."""
+        self._queue.join()
+        if self._error is not None:
+            raise self._error
+        return self._history
+
     def draw(self, diagram) -> str:
         """Write ``diagram.svg``, a picture of the diagram; returns "" or why there is none, a line to show."""
         return write_diagram(diagram, self.path / "diagram.svg")
@@ -176,6 +183,7 @@ class RunFolder:
                     self._write(*tick)
                 except BaseException as error:
                     self._error = error
+            self._queue.task_done()
 
     def _write(self, time: float, values: dict, event: Event | None) -> None:
         if event is not None:

@@ -38,8 +38,6 @@ class PoseAnnotator(LeafSystem):
         with LEDGER.charge("logging"):
             frame, seen = self._frame.Eval(context), self._pose.Eval(context)
             if frame.arrived:
-                image = draw_overlay(
-                    frame.image, self._model, self._lens, seen.X_CO, seen.state, f"{frame.time:.2f} s"
-                )
+                image = draw_overlay(frame.image, self._model, self._lens, seen.X_CO, seen.state, f"{frame.time:.2f} s")
                 frame = CameraFrame(image=image, time=frame.time, number=frame.number)
             output.set_value(frame)
