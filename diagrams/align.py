@@ -28,6 +28,16 @@ class Schedule:
     arm_offset: float = 0.004
     judge_offset: float = 0.038
 
+    def rows(self) -> dict[str, tuple[float, float]]:
+        """(period, offset) [s] of each stage."""
+        return {
+            "workcell.camera": (self.camera, 0.0),
+            "tracker": (self.camera, self.tracker_offset),
+            "servo": (self.camera, self.servo_offset),
+            "arm": (self.arm, self.arm_offset),
+            "tracking_error": (self.camera, self.judge_offset),
+        }
+
     @property
     def exposure_to_command(self) -> float:
         """From the exposure to the first joint set-point that knows of it [s]."""
@@ -93,6 +103,7 @@ class AlignRobot(Diagram):
     ):
         super().__init__()
         config = workcell.config
+        self.schedule = schedule.rows()
         builder = DiagramBuilder()
         period = schedule.camera
         cell = builder.AddNamedSystem("workcell", workcell)

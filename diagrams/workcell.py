@@ -24,7 +24,7 @@ from vipr.systems.hand.driver import HandDriver
 from vipr.systems.truth import PoseTruth
 
 RENDERER = "vtk"
-STAGE = np.array([0.58, 0.0, 0.52])  # m, middle of the stage's plate at its zero
+STAGE = np.array([0.55, 0.0, 0.52])  # m, middle of the stage's plate at its zero
 GRASP_CENTRE = 0.135  # m, from the hand's mounting face to its frame ``grasp``
 HAND_MASS, HAND_CENTRE = 1.1, 0.06  # kg; m from the flange: what the gravity compensation is told of the hand
 
@@ -51,6 +51,11 @@ def puma_with_hand() -> SerialArm:
     return SerialArm(puma560.D, puma560.A, puma560.ALPHA, X_6E)
 
 
+def standing(stage: np.ndarray) -> np.ndarray:
+    """X_WO of an object that stands in the middle of the plate of the stage at x, y [m], yaw [rad]."""
+    return se3.pose(se3.exp_so3(np.array([0.0, 0.0, stage[2]])), STAGE + [stage[0], stage[1], 0.0])
+
+
 @dataclass(frozen=True, kw_only=True)
 class WorkcellConfig:
     """What stands in the workcell and where."""
@@ -68,12 +73,6 @@ class WorkcellConfig:
     seed: int = 0
     time_step: float = 0.002  # s, of the physics
     camera_period: float = 0.04  # s
-
-    @property
-    def X_WO_initial(self) -> np.ndarray:
-        """Where the object stands at the start."""
-        x, y, yaw = self.stage_initial
-        return se3.pose(se3.exp_so3(np.array([0.0, 0.0, yaw])), STAGE + [x, y, 0.0])
 
 
 class Workcell(Diagram):
@@ -205,7 +204,9 @@ def _add_models(plant: MultibodyPlant, config: WorkcellConfig) -> dict[str, Mode
     for axis, value in zip(("x", "y"), config.stage_initial, strict=False):
         plant.GetJointByName(f"stage_{axis}").set_default_translation(value)
     plant.GetJointByName("stage_yaw").set_default_angle(config.stage_initial[2])
-    plant.SetDefaultFloatingBaseBodyPose(plant.GetBodyByName(config.object), RigidTransform(config.X_WO_initial))
+    plant.SetDefaultFloatingBaseBodyPose(
+        plant.GetBodyByName(config.object), RigidTransform(standing(config.stage_initial))
+    )
     plant.Finalize()
     return models
 

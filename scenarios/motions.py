@@ -11,6 +11,8 @@ def out_and_back(
 ) -> PiecewisePolynomial:
     """Joint positions over time: rest until ``begin``, out at ``velocity`` for ``cruise`` seconds, a pause, back the same way, rest.
 
+    With a cruise of 0 s there is no motion at all.
+
     Args:
         start: (n,) positions at rest.
         velocity: (n,) velocities while cruising, reached and left at constant acceleration within ``ramp`` seconds.
@@ -19,6 +21,8 @@ def out_and_back(
     Returns:
         a trajectory of n positions with continuous velocity; its end is when the motion ends.
     """
+    if cruise == 0:  # no motion at all
+        return PiecewisePolynomial.ZeroOrderHold([0.0, begin], np.column_stack([start, start]))
     if min(cruise, ramp) <= 0 or begin < 0 or pause < 0:
         raise InputError(
             f"motion: times must be positive, got begin {begin}, cruise {cruise}, ramp {ramp}, pause {pause} s"

@@ -1,35 +1,50 @@
 """A robot's structure for reading: stages, wires and schedule."""
 
-from pydrake.systems.framework import Diagram, System
+from pydrake.systems.framework import Diagram
 from rich.console import Console
 from rich.table import Table
 
+OPENED = ("vipr.diagrams",)  # diagrams whose insides are shown; Drake's own stay closed
+
 
 def structure(robot: Diagram) -> dict:
-    """Stages with their ports, wires in the order they were made, and periodic events with period and offset [s]."""
-    stages, events = [], []
-    for system in robot.GetSystems():
-        stages.append(
+    """Stages with their ports, wires in the order they were made, and its schedule, periods and offsets [s].
+
+    A stage of a diagram inside the robot is named ``diagram.stage``.
+    """
+    found = {"name": robot.get_name(), "stages": [], "wires": [], "schedule": []}
+    _open(robot, "", found)
+    found["schedule"].sort(key=lambda event: (event["offset_s"], event["period_s"]))
+    return found
+
+
+def _open(diagram: Diagram, prefix: str, found: dict) -> None:
+    wires = diagram.connection_map().items()
+    read = {(reader.get_name(), int(i)) for (reader, i), _ in wires}
+    written = {(writer.get_name(), int(o)) for _, (writer, o) in wires}
+    for system in diagram.GetSystems():
+        name = prefix + system.get_name()
+        found["stages"].append(
             {
-                "name": system.get_name(),
+                "name": name,
                 "system": type(system).__name__,
-                "inputs": [system.get_input_port(i).get_name() for i in range(system.num_input_ports())],
-                "outputs": [system.get_output_port(i).get_name() for i in range(system.num_output_ports())],
+                "inputs": _named(system, system.num_input_ports(), system.get_input_port, read),
+                "outputs": _named(system, system.num_output_ports(), system.get_output_port, written),
             }
         )
-        for timing in _timings(system):
-            events.append({"stage": system.get_name(), **timing})
-    wires = [
-        f"{writer.get_name()}.{writer.get_output_port(o).get_name()} -> {reader.get_name()}.{reader.get_input_port(i).get_name()}"
-        for (reader, i), (writer, o) in robot.connection_map().items()
-    ]
-    events.sort(key=lambda event: (event["offset_s"], event["period_s"]))
-    return {"name": robot.get_name(), "stages": stages, "wires": wires, "schedule": events}
+        if type(system).__module__.startswith(OPENED):
+            _open(system, f"{name}.", found)
+        for stage, (period, offset) in getattr(system, "schedule", {}).items():
+            found["schedule"].append({"stage": f"{name}.{stage}", "period_s": period, "offset_s": offset})
+    for (reader, i), (writer, o) in wires:
+        output, input_ = writer.get_output_port(o).get_name(), reader.get_input_port(i).get_name()
+        found["wires"].append(f"{prefix}{writer.get_name()}.{output} -> {prefix}{reader.get_name()}.{input_}")
 
 
-def _timings(system: System) -> list[dict]:
-    found = system.MapPeriodicEventsByTiming()
-    return [{"period_s": data.period_sec(), "offset_s": data.offset_sec()} for data in found]
+def _named(system, count: int, port, wired: set) -> list[str]:
+    """Names of a system's ports; of a system of Drake's own (a plant has dozens) only those with a wire."""
+    own = type(system).__module__.startswith("vipr.")
+    return [port(i).get_name() for i in range(count) if own or (system.get_name(), i) in wired]
 
 
 def print_structure(found: dict) -> None:
@@ -37,7 +52,7 @@ def print_structure(found: dict) -> None:
     console = Console()
     table = Table(title=f"{found['name']}: stages")
     for column in ("stage", "system", "inputs", "outputs"):
-        table.add_column(column)
+        table.add_column(column, overflow="fold", no_wrap=column == "stage")
     for stage in found["stages"]:
         table.add_row(stage["name"], stage["system"], ", ".join(stage["inputs"]), ", ".join(stage["outputs"]))
     console.print(table)

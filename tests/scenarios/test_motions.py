@@ -18,4 +18,9 @@ def test_out_and_back_returns_and_keeps_its_speed():
 
 def test_impossible_times_are_refused():
     with pytest.raises(InputError, match="times must be positive"):
-        out_and_back(np.zeros(1), np.ones(1), begin=0, cruise=0)
+        out_and_back(np.zeros(1), np.ones(1), begin=0, cruise=-1)
+
+
+def test_without_cruise_the_object_rests():
+    motion = out_and_back(np.array([0.1, 0.2]), np.ones(2), begin=1.0, cruise=0)
+    assert np.allclose(motion.value(0.5).ravel(), [0.1, 0.2]) and motion.end_time() == 1.0

@@ -4,6 +4,7 @@ import numpy as np
 from drawn_objects import LENS, box, picture, pose_at
 
 from vipr.systems.signals import CameraFrame, ObjectPose, Occluders
+from vipr.systems.tracking.annotator import PoseAnnotator
 from vipr.systems.tracking.tracker import ModelTracker
 
 
@@ -21,4 +22,16 @@ def tracker():
     return system, fix
 
 
-EXAMPLES = {ModelTracker: tracker}
+def annotator():
+    model = box()
+    system = PoseAnnotator(model, LENS)
+
+    def fix(context, t):
+        frame = CameraFrame(np.dstack([picture(model, pose_at(t))] * 3), t, round(t / 0.04))
+        system.GetInputPort("frame").FixValue(context, frame)
+        system.GetInputPort("object_pose").FixValue(context, ObjectPose(X_CO=pose_at(t), state="tracking", time=t))
+
+    return system, fix
+
+
+EXAMPLES = {ModelTracker: tracker, PoseAnnotator: annotator}

@@ -1,0 +1,38 @@
+"""Examples of the workcell's diagrams for the laws."""
+
+import numpy as np
+
+from vipr.diagrams.align import AlignRobot
+from vipr.diagrams.workcell import Workcell, WorkcellConfig, standing
+from vipr.models import model_path
+from vipr.systems import se3
+from vipr.systems.tracking.cad_model import load_model
+
+
+def workcell():
+    config = WorkcellConfig()
+    system = Workcell(config)
+
+    def fix(context, t):
+        system.GetInputPort("arm_desired_state").FixValue(context, np.concatenate([config.q_initial, np.zeros(6)]))
+        system.GetInputPort("motor_command").FixValue(context, np.zeros(4))
+        system.GetInputPort("stage_desired_state").FixValue(context, np.zeros(6))
+
+    return system, fix
+
+
+def align_robot():
+    config = WorkcellConfig()
+    X_CO = se3.inverse(config.X_WC) @ standing(config.stage_initial)
+    X_OG = se3.pose(np.diag([1.0, -1.0, -1.0]), [0, 0, 0.3])
+    model = load_model(model_path("milk_carton/model.yaml"))
+    system = AlignRobot(Workcell(config), model, X_CO, X_OG, X_WC=config.X_WC)
+
+    def fix(context, t):
+        system.GetInputPort("motor_command").FixValue(context, np.zeros(4))
+        system.GetInputPort("stage_desired_state").FixValue(context, np.zeros(6))
+
+    return system, fix
+
+
+EXAMPLES = {Workcell: workcell, AlignRobot: align_robot}
