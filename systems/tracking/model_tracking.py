@@ -1,7 +1,8 @@
 """The model-based tracker of the paper (III-B, Fig. 6) as two pure functions: ``start`` and ``step``.
 
-One step: predict the motion; project the model and take nodes on its visible edges; find their normal displacements; fit them. Frames: O
-object, C camera (x right, y down, z forward); displacements d = (w, v) as in ``pose_fit``.
+One step: predict the motion; align the texture learnt so far, or, without it, fit an affine motion to the normal flow and search the pose
+on the gradients; finish by Gauss-Newton on the edges; weigh the evidence; if it is thin, try again from other starts; learn.
+Frames: O object, C camera (x right, y down, z forward); displacements d = (w, v) as in ``pose_fit``.
 """
 
 from dataclasses import dataclass, field, replace
@@ -12,10 +13,11 @@ from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import CadModel
+from vipr.systems.tracking.diagnosis import LOST, TRACKING
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict
-from vipr.systems.tracking.normal_flow import cut_patch, find_edges
-from vipr.systems.tracking.pose_fit import fit_pose, move, normal_jacobian
-from vipr.systems.tracking.visible_edges import visible_nodes
+from vipr.systems.tracking.pose_fit import point_jacobian
+from vipr.systems.tracking.search import Attempt, Sight, attempt
+from vipr.systems.tracking.texture import Keyframe, choose_keyframe, correlation_at, learn_keyframe
 
 
 @dataclass(frozen=True)
@@ -24,19 +26,27 @@ class TrackerSettings:
 
     nodes: int = 200  # tracking nodes, at most
     spacing: float = 3.0  # px, smallest interval of nodes
-    reach: float = 14.0  # px, search along the normal in the first pass
+    reach: float = 14.0  # px, search along the normal where nothing else has found the object yet
     fine_reach: float = 5.0  # px, in the last passes
     contrast: float = 4.0  # grey levels, weakest edge that is looked at
     hypotheses: int = 4  # edges kept for each node
     prediction: bool = True  # constant-velocity filter; else the last pose is the start
+    affine: bool = True  # affine motion of the nodes before the pose (eq. 26 to 34)
+    quadratic: bool = False  # quadratic instead of affine
+    gradient_fit: bool = True  # discrete search on the gradients (eq. 35)
+    dynamic_step: bool = True  # whose steps follow the velocity
+    texture: bool = True  # patches learnt while tracking
+    patches: int = 64  # of a keyframe
     quantised_normals: bool = False  # the paper's 0, 45, 90, 135 degrees and whole pixels
+    second_try: bool = True  # other starts and longer searches when the evidence is thin
+    initial_px: float = 1.0  # px, how well a given pose places the model's corners if it is good
+    model_error: float = 0.1  # px, least error of an edge of the model, common to its nodes
     spin_noise: float = 30.0  # rad/s^2, RMS angular acceleration expected
     speed_noise: float = 4.0  # m/s^2, RMS acceleration expected
 
     def __post_init__(self):
-        for name in ("nodes", "spacing", "reach", "fine_reach", "contrast", "hypotheses", "spin_noise", "speed_noise"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
+        for name, value in vars(self).items():
+            if not isinstance(value, bool) and not (np.isfinite(value) and value > 0):
                 raise InputError(f"tracker settings: {name} must be positive, got {value}")
 
 
@@ -46,13 +56,16 @@ class Belief:
 
     motion: Motion = field(default_factory=Motion)
     state: str = "lost"  # tracking | uncertain | lost
-    score: float = 0.0
-    nodes: int = 0
-    residual_px: float = float("nan")
-    time: float = 0.0  # s, of the last frame that arrived
-    number: int = -1
-    doubt: int = 0  # frames in a row that were not tracked well
-    started: bool = False  # whether an initial pose was given
+    score: float = 0.0  # 0 to 1, probability that the pose is right
+    nodes: int = 0  # edge nodes that support the pose
+    residual_px: float = float("nan")  # robust RMS
+    time: float = 0.0  # s, of the last frame
+    number: int = -1  # of the last frame
+    keyframes: tuple[Keyframe, ...] = ()
+    X_CO_given: np.ndarray | None = None  # a pose from outside that no frame has been compared with yet
+    X_CO_good: np.ndarray | None = None  # the last pose that was tracked
+    doubtful: int = 0  # frames in a row that were not tracked
+    started: bool = False  # whether an initial pose was ever given
 
     def __deepcopy__(self, memo):
         return self  # immutable: a context clone copies nothing
@@ -79,7 +92,8 @@ def start(X_CO: np.ndarray, time: float = 0.0, number: int = -1) -> Belief:
     if X_CO[2, 3] <= 0:
         raise InputError(f"initial pose: the object must be in front of the camera (z > 0), got z = {X_CO[2, 3]:.4g} m")
     U, _, Vt = np.linalg.svd(X_CO[:3, :3])
-    return Belief(at_rest(se3.pose(U @ Vt, X_CO[:3, 3])), "uncertain", time=time, number=number, started=True)
+    X_CO = se3.pose(U @ Vt, X_CO[:3, 3])
+    return Belief(at_rest(X_CO), "uncertain", time=time, number=number, X_CO_given=X_CO, started=True)
 
 
 def step(
@@ -92,55 +106,122 @@ def step(
     occluders_C: np.ndarray | None = None,
     number: int | None = None,
 ) -> Belief:
-    """The belief after one image (h, w) or (h, w, 3) BGR uint8 taken at time [s]; an empty image only predicts."""
+    """The belief after one image (h, w) or (h, w, 3) BGR uint8 taken at time [s]; an empty image only predicts.
+
+    occluders_C (S, 3, 3): triangles in C [m] of known bodies that may stand in front. Raises InputError for an image of another size than
+    the lens's.
+    """
     number = belief.number + 1 if number is None else number
     if image.size and image.shape[:2] != (lens.height, lens.width):
         raise InputError(
             f"tracker: the image is {image.shape[1]} x {image.shape[0]} px, its lens is for {lens.width} x {lens.height} px"
         )
-    dt = float(np.clip(time - belief.time, 0.0, 1.0)) if belief.number >= 0 else 0.0
+    fresh = belief.X_CO_given is not None
+    dt = 0.0 if fresh else float(np.clip(time - belief.time, 0.0, 1.0))
     ahead = predict(belief.motion, dt, settings.spin_noise, settings.speed_noise)
+    if not settings.prediction:
+        ahead = replace(ahead, X_CO=belief.X_CO)
     if not image.size:
         state = "uncertain" if belief.state == "tracking" else belief.state
         return replace(belief, motion=ahead, state=state, time=time, number=number, nodes=0, residual_px=float("nan"))
-    starts = [ahead.X_CO, belief.X_CO] if settings.prediction else [belief.X_CO]
-    patch = _patch(image, model, starts, lens, settings.reach + 8.0)
-    for X in starts[:1]:
-        X, fit, nodes = _edge_pass(
-            model, X, patch, lens, settings, settings.reach, (8.0, 6.0, 4.0, 3.0, 2.0), occluders_C
-        )
-        for _ in range(2):
-            X, fit, nodes = _edge_pass(model, X, patch, lens, settings, settings.fine_reach, (2.0, 1.5), occluders_C)
-    share = float((fit.weight > 0.1).sum()) / max(len(nodes), 1)
-    state = (
-        "tracking" if share > 0.4 and len(nodes) >= 8 else "uncertain" if share > 0.2 and len(nodes) >= 8 else "lost"
+    sight = Sight(image, model, lens, settings, occluders_C, belief.keyframes, belief.V_CO, dt)
+    best = _search(belief, ahead, sight)
+    return _conclude(belief, ahead, best, sight, time, number)
+
+
+def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
+    """The best attempt at this frame; more starts and longer searches only while the evidence is thin."""
+    spread = _spread_px(ahead, sight)
+    sight.open([ahead.X_CO, belief.X_CO], margin=sight.settings.reach + 3.0 * min(spread, 20.0))
+    X_start = ahead.X_CO
+    keyframe = choose_keyframe(belief.keyframes, ahead.X_CO)
+    apart = _corner_shift(ahead.X_CO, belief.X_CO, sight)
+    if keyframe is not None and apart > 3.0:  # is the object where it was heading, or where it was?
+        options = [ahead.X_CO, belief.X_CO]
+        likeness = [
+            correlation_at(keyframe, sight.pyramid, sight.model, X, sight.lens, 2, sight.occluders_C) for X in options
+        ]
+        X_start = options[int(np.argmax(likeness))]
+    depth = 1 if max(spread, apart) < 2.0 else 2
+    best = attempt(sight, X_start, keyframe, depth, ahead.covariance[:6, :6], belief.X_CO_given)
+    if best.evidence.score > 0.7 or not sight.settings.second_try:
+        return best
+    starts = [ahead.X_CO, belief.X_CO] if apart > 1.0 else [ahead.X_CO]
+    if belief.X_CO_good is not None and belief.doubtful > 0:
+        starts.append(belief.X_CO_good)
+    sight.open(starts, margin=3.0 * sight.settings.reach)
+    for X in starts:
+        for k in {id(k): k for k in (keyframe, None)}.values():
+            other = attempt(sight, X, k, 3, ahead.covariance[:6, :6], belief.X_CO_given, far=True)
+            if other.evidence.score > best.evidence.score:
+                best = other
+        if best.evidence.score > 0.8:
+            break
+    return best
+
+
+def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: float, number: int) -> Belief:
+    score = best.evidence.score
+    good = score >= TRACKING
+    state = "tracking" if good else "lost" if score < LOST or belief.doubtful >= 4 else "uncertain"
+    keyframes = belief.keyframes
+    if score > LOST:
+        motion = correct(ahead, best.X_CO, best.covariance)
+    else:  # not seen: it may have slowed down or stopped
+        motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
+    if score > 0.8 and sight.settings.texture:
+        keyframes = _learn(keyframes, motion, sight)
+    return Belief(
+        motion,
+        state,
+        score,
+        best.evidence.nodes,
+        best.evidence.sigma,
+        time,
+        number,
+        keyframes,
+        belief.X_CO_given if not good and belief.X_CO_given is not None and score < LOST else None,
+        motion.X_CO if good else belief.X_CO_good,
+        0 if good else belief.doubtful + 1,
+        True,
     )
-    covariance = np.linalg.inv(fit.information + 1e-3 * np.eye(6))
-    motion = correct(ahead, X, covariance)
-    return Belief(motion, state, share, int((fit.weight > 0.1).sum()), fit.sigma, time, number, started=True)
 
 
-def _patch(image, model, poses, lens, margin):
-    corners = np.concatenate([model.corners @ X[:3, :3].T + X[:3, 3] for X in poses])
-    corners = corners[corners[:, 2] > 1e-3]
-    if not len(corners):
-        return cut_patch(image, np.zeros(2), np.zeros(2))
-    pixel = lens.project(corners)
-    return cut_patch(image, pixel.min(0) - margin, pixel.max(0) + margin)
-
-
-def _edge_pass(model, X_CO, patch, lens, settings, reach, widths, occluders_C, prior=None):
-    nodes = visible_nodes(model, X_CO, lens, settings.nodes, settings.spacing, occluders_C)
-    matches = find_edges(
-        patch,
-        nodes,
-        reach,
-        contrast=max(settings.contrast, 2.0 * patch.noise),
-        hypotheses=settings.hypotheses,
-        quantise=settings.quantised_normals,
+def _learn(keyframes, motion, sight):
+    """Keyframes with one more where the object is seen from a new side."""
+    nearest = choose_keyframe(keyframes, motion.X_CO, limit=0.2)
+    if nearest is not None:
+        return keyframes
+    speed = _corner_shift(motion.X_CO, predict(motion, max(sight.dt, 0.0), 0.0, 0.0).X_CO, sight)
+    if speed > 5.0 and choose_keyframe(keyframes, motion.X_CO, limit=0.4) is not None:
+        return keyframes  # blurred: wait while an older one still serves
+    new = learn_keyframe(
+        sight.pyramid,
+        sight.model,
+        motion.X_CO,
+        motion.covariance[:6, :6],
+        sight.lens,
+        sight.settings.patches,
+        sight.occluders_C,
     )
-    J = normal_jacobian(nodes, X_CO, lens)
-    strength = np.abs(matches.strength)
-    preference = strength / np.maximum(strength.max(1, keepdims=True, initial=0.0), 1e-9)
-    fit = fit_pose(J, matches, preference, widths, prior)
-    return move(X_CO, fit.d), fit, nodes
+    return keyframes if new is None else (*keyframes[-11:], new)
+
+
+def _corner_shift(X_CA, X_CB, sight):
+    """RMS px between the model's corners at two poses; large behind the camera."""
+    ends = []
+    for X in (X_CA, X_CB):
+        p_C = sight.model.corners @ X[:3, :3].T + X[:3, 3]
+        if (p_C[:, 2] <= 1e-3).any():
+            return 1e3
+        ends.append(sight.lens.project(p_C))
+    return float(np.sqrt(((ends[0] - ends[1]) ** 2).sum(1).mean()))
+
+
+def _spread_px(ahead, sight):
+    """RMS px by which the model's corners may be off the prediction."""
+    p_C = sight.model.corners @ ahead.X_CO[:3, :3].T + ahead.X_CO[:3, 3]
+    if (p_C[:, 2] <= 1e-3).any():
+        return 0.0
+    J = point_jacobian(sight.model.corners, ahead.X_CO, sight.lens)
+    return float(np.sqrt((J @ ahead.covariance[:6, :6] * J).sum((1, 2)).mean()))

@@ -25,6 +25,7 @@ class Nodes:
     depth: np.ndarray  # (N,) m
     inside: np.ndarray  # (N, 2) whether the object's surface is seen on the side of +normal, of -normal
     bin: np.ndarray  # (N,) memory bin on the model
+    edge: np.ndarray  # (N,) number of the edge, limb or rim
     spacing: float  # px between neighbours along an edge
 
     def __len__(self):
@@ -32,7 +33,7 @@ class Nodes:
 
     def take(self, index) -> "Nodes":
         """The nodes of an index or mask."""
-        parts = (self.p_O, self.pixel, self.normal, self.depth, self.inside, self.bin)
+        parts = (self.p_O, self.pixel, self.normal, self.depth, self.inside, self.bin, self.edge)
         return Nodes(*(part[index] for part in parts), self.spacing)
 
 
@@ -49,12 +50,12 @@ def visible_nodes(
 
     occluders_C (S, 3, 3) are triangles of other bodies in C [m] that may stand in front. Behind the camera or out of view: no nodes.
     """
-    a_O, b_O, inside, starts, counts, owner, circle = _segments(model, X_CO)
+    a_O, b_O, inside, starts, counts, owner, circle, line = _segments(model, X_CO)
     R, t = X_CO[:3, :3], X_CO[:3, 3]
     low, high = _clip(a_O @ R.T + t, b_O @ R.T + t, lens, border)
     keep = high > low
-    a_O, b_O, inside, starts, counts, owner, circle, low, high = (
-        part[keep] for part in (a_O, b_O, inside, starts, counts, owner, circle, low, high)
+    a_O, b_O, inside, starts, counts, owner, circle, line, low, high = (
+        part[keep] for part in (a_O, b_O, inside, starts, counts, owner, circle, line, low, high)
     )
     along = b_O - a_O
     a_O, b_O = a_O + low[:, None] * along, a_O + high[:, None] * along
@@ -84,14 +85,14 @@ def visible_nodes(
     normal = np.stack([-tangent[:, 1], tangent[:, 0]], 1)
     along_edge = low[edge] + s * (high - low)[edge]
     bins = starts[edge] + np.minimum((along_edge * counts[edge]).astype(int), counts[edge] - 1)
-    nodes = Nodes(p_O, pixel, normal, p_C[:, 2], inside[edge], bins, float(spacing))
+    nodes = Nodes(p_O, pixel, normal, p_C[:, 2], inside[edge], bins, line[edge], float(spacing))
     shown = ~_hidden_nodes(model, X_CO, lens, nodes, owner[edge], occluders_C)
     shown &= (pixel >= border).all(1) & (pixel <= (lens.width - 1 - border, lens.height - 1 - border)).all(1)
     return nodes if shown.all() else nodes.take(shown)
 
 
 def _segments(model, X_CO):
-    """Candidate edges at this pose: ends (S, 3) twice, inside (S, 2), bin start, bin count, owner, circle (S, 7).
+    """Candidate edges at this pose: ends (S, 3) twice, inside (S, 2), bin start, bin count, owner, circle (S, 7), number.
 
     owner: the cylinder that a limb or rim belongs to, -1 otherwise; circle: centre, normal, radius of an arc, radius 0 for straight ones.
     """
@@ -119,19 +120,20 @@ def _segments(model, X_CO):
             number[:E][seen],
             np.full(seen.sum(), -1),
             np.zeros((seen.sum(), 7)),
+            np.flatnonzero(seen),
         )
     ]
     C = len(model.cylinders)
     for i, (p, q, r) in enumerate((c[:3], c[3:6], c[6]) for c in model.cylinders):
-        parts.append(_limbs(p, q, r, eye, start[E + 2 * i], i))
-        parts.append(_rim(p, p - q, r, eye, start[E + 2 * C + 2 * i], i, q - p))
-        parts.append(_rim(q, q - p, r, eye, start[E + 2 * C + 2 * i + 1], i, p - q))
+        parts.append(_limbs(p, q, r, eye, start[E + 2 * i], i, E + 2 * i))
+        parts.append(_rim(p, p - q, r, eye, start[E + 2 * C + 2 * i], i, q - p, E + 2 * C + 2 * i))
+        parts.append(_rim(q, q - p, r, eye, start[E + 2 * C + 2 * i + 1], i, p - q, E + 2 * C + 2 * i + 1))
     for i, (p, n, r) in enumerate((c[:3], c[3:6], c[6]) for c in model.circles):
-        parts.append(_rim(p, n, r, eye, start[E + 4 * C + i], -1, None))
+        parts.append(_rim(p, n, r, eye, start[E + 4 * C + i], -1, None, E + 4 * C + i))
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
 
 
-def _limbs(p, q, r, eye, start, owner):
+def _limbs(p, q, r, eye, start, owner, number):
     """The two lines where the line of sight touches a cylinder."""
     axis = (q - p) / np.linalg.norm(q - p)
     off = eye - p
@@ -152,10 +154,11 @@ def _limbs(p, q, r, eye, start, owner):
         np.array([32, 32]),
         np.full(2, owner),
         np.zeros((2, 7)),
+        np.array([number, number + 1]),
     )
 
 
-def _rim(centre, normal, r, eye, start, owner, body):
+def _rim(centre, normal, r, eye, start, owner, body, number):
     """A circle as short chords; of a cylinder's end (body: the axis, away from the end) only what its own surface leaves to be seen."""
     u, v = across(normal)
     angle = np.linspace(0.0, 2.0 * np.pi, RIM_SEGMENTS + 1)
@@ -185,6 +188,7 @@ def _rim(centre, normal, r, eye, start, owner, body):
         np.ones(seen.sum(), int),
         np.full(seen.sum(), owner),
         arc[seen],
+        np.full(seen.sum(), number),
     )
 
 
@@ -197,6 +201,7 @@ def _none():
         np.zeros(0, int),
         np.zeros(0, int),
         np.zeros((0, 7)),
+        np.zeros(0, int),
     )
 
 

@@ -1,0 +1,52 @@
+"""Self-diagnosis: is the object really where the tracker believes it to be?
+
+Two kinds of evidence, each corrected for what chance would give: the share of the nodes that have an edge where the model says (chance: how
+densely edges lie along the search lines anyway), and the share of the texture patches that look as they were learnt.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vipr.systems.tracking.normal_flow import Matches
+from vipr.systems.tracking.pose_fit import Fit
+from vipr.systems.tracking.texture import TextureFit
+
+NEAR = 1.5  # px: an edge within this supports its node
+TRACKING, LOST = 0.5, 0.15  # score above which the pose can be used, below which it means nothing
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What speaks for a pose."""
+
+    edges: float = 0.0  # -1 to 1, share of supported nodes beyond chance; 1 is perfect, 0 is chance
+    nodes: int = 0  # supported
+    texture: float = 0.0  # 0 to 1, share of patches that look right
+    patches: int = 0  # compared
+    sigma: float = float("nan")  # px
+
+    @property
+    def score(self) -> float:
+        """0 to 1, the probability that the pose is right, as calibrated on forced losses."""
+        if self.nodes < 8:
+            return 0.0
+        z = -3.6 + 9.0 * self.edges
+        if self.patches >= 8:
+            z += 8.0 * (self.texture - 0.35)
+        return float(1.0 / (1.0 + np.exp(-z)))
+
+
+def weigh(matches: Matches, fit: Fit, texture: TextureFit | None) -> Evidence:
+    """Evidence for a pose from its last edge pass and texture alignment."""
+    N = len(matches.offset)
+    if not N:
+        return Evidence()
+    present = matches.strength != 0
+    supported = np.abs(fit.residual) < NEAR  # nan: not supported
+    density = present.sum(1) * min(2.0 * NEAR / (2.0 * matches.reach + 1.0), 1.0)
+    chance = float((1.0 - np.exp(-density)).mean())
+    edges = (float(supported.mean()) - chance) / (1.0 - chance)
+    if texture is None:
+        return Evidence(edges, int(supported.sum()), 0.0, 0, fit.sigma)
+    return Evidence(edges, int(supported.sum()), texture.agreement, texture.patches, fit.sigma)

@@ -1,0 +1,165 @@
+"""One attempt at finding the object in an image from a start pose: texture or normal flow, gradients, and the edges at the end."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking.affine import fit_affine, move_points
+from vipr.systems.tracking.cad_model import CadModel
+from vipr.systems.tracking.diagnosis import Evidence, weigh
+from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
+from vipr.systems.tracking.normal_flow import cut_patch, find_edges
+from vipr.systems.tracking.pose_fit import (
+    Prior,
+    corner_information,
+    difference,
+    fit_points,
+    fit_pose,
+    move,
+    normal_jacobian,
+)
+from vipr.systems.tracking.texture import Keyframe, align, pyramid
+from vipr.systems.tracking.visible_edges import visible_nodes
+
+AGREES = 0.4  # share of texture patches that must look right for the alignment to be followed
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """Where the object was found, and what speaks for it."""
+
+    X_CO: np.ndarray
+    covariance: np.ndarray  # (6, 6)
+    evidence: Evidence
+
+
+class Sight:
+    """What one step looks at: the image, the model, and the patch of the image that the search needs."""
+
+    def __init__(self, image, model: CadModel, lens: Lens, settings, occluders_C, keyframes, V_CO, dt):
+        self.image, self.model, self.lens, self.settings = image, model, lens, settings
+        self.occluders_C, self.V_CO, self.dt = occluders_C, V_CO, dt
+        self.patch, self._pyramid = None, None
+
+    def open(self, poses: list[np.ndarray], margin: float) -> None:
+        """Cut the patch that holds the model at all the poses, and margin [px] around it."""
+        corners = np.concatenate([self.model.corners @ X[:3, :3].T + X[:3, 3] for X in poses])
+        corners = corners[corners[:, 2] > 1e-3]
+        pixel = self.lens.project(corners) if len(corners) else np.full((1, 2), -1e6)
+        self.patch = cut_patch(self.image, pixel.min(0) - margin, pixel.max(0) + margin)
+        self._pyramid = None
+
+    @property
+    def pyramid(self):
+        if self._pyramid is None:
+            self._pyramid = pyramid(self.patch)
+        return self._pyramid
+
+
+def attempt(
+    sight: Sight,
+    X_CO: np.ndarray,
+    keyframe: Keyframe | None,
+    depth: int,
+    covariance: np.ndarray,
+    X_CO_given: np.ndarray | None = None,
+    far: bool = False,
+) -> Attempt:
+    """Search from X_CO, whose covariance (6, 6) is the prediction's. depth: coarsest pyramid level for the texture; far: the longest reach.
+
+    A pose given from outside counts as a measurement of its own, the less the further the image is from it.
+    """
+    texture, prior = None, None
+    information = np.linalg.inv(covariance + 1e-12 * np.eye(6))
+    if keyframe is not None and sight.settings.texture:
+        levels = tuple(range(depth, -1, -1))
+        texture = align(
+            keyframe, sight.pyramid, sight.model, X_CO, sight.lens, levels, 4, information, sight.occluders_C
+        )
+        if texture.agreement >= AGREES and texture.patches >= 8:
+            X_CO = texture.X_CO
+            own = np.linalg.inv(texture.information + 1e-6 * np.diag(texture.information.diagonal() + 1e-9))
+            prior = np.linalg.inv(own + keyframe.covariance)
+    if prior is None:
+        X_CO = _find_far(sight, X_CO, sight.settings.reach * (2.0 if far else 1.0))
+    # What is wrong with an edge in one frame is wrong in the next: the keyframe's pose has counted it already.
+    X_aim, doubt = X_CO, 1.0 if prior is None else 4.0
+    for _ in range(2):
+        X_CO, fit, matches = edge_pass(
+            sight, X_CO, sight.settings.fine_reach, (2.0, 1.3), _about(X_CO, X_aim, prior), doubt
+        )
+    if X_CO_given is not None:
+        aim = corner_information(sight.model, X_CO, sight.lens, sight.settings.initial_px)
+        off = difference(X_CO, X_CO_given)
+        trust = 1.0 / (1.0 + float(off @ aim @ off) / 150.0) ** 2  # Geman-McClure: a bad one is let go
+        X_CO, fit, matches = edge_pass(sight, X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, trust * aim))
+    return Attempt(X_CO, np.linalg.inv(fit.information + 1e-3 * information), weigh(matches, fit, texture))
+
+
+def _about(X_CO, X_aim, information):
+    return None if information is None else Prior(difference(X_CO, X_aim), information)
+
+
+def edge_pass(
+    sight: Sight,
+    X_CO: np.ndarray,
+    reach: float,
+    widths: tuple[float, ...],
+    prior: Prior | None = None,
+    doubt: float = 1.0,
+):
+    """Nodes, edges within reach [px] and one robust fit: (pose, Fit, Matches)."""
+    settings = sight.settings
+    nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
+    matches = _look(sight, nodes, reach)
+    J = normal_jacobian(nodes, X_CO, sight.lens)
+    fit = fit_pose(
+        J, matches, preferences(matches), widths, prior, nodes.edge, model_error=settings.model_error, doubt=doubt
+    )
+    return move(X_CO, fit.d), fit, matches
+
+
+def preferences(matches):
+    """(N, K) 0 to 1: the strongest edge of a node counts fully, others by their share of its strength."""
+    strength = np.abs(matches.strength)
+    return strength / np.maximum(strength.max(1, keepdims=True, initial=0.0), 1e-9)
+
+
+def _look(sight, nodes, reach):
+    contrast = max(sight.settings.contrast, 2.0 * sight.patch.noise)
+    return find_edges(
+        sight.patch,
+        nodes,
+        reach,
+        contrast=contrast,
+        hypotheses=sight.settings.hypotheses,
+        quantise=sight.settings.quantised_normals,
+    )
+
+
+def _find_far(sight, X_CO, reach):
+    """The paper's way over a larger distance: normal flow, affine motion, POSE, gradient fit; then the edges once more."""
+    settings = sight.settings
+    nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
+    if len(nodes) < 6:
+        return X_CO
+    matches = _look(sight, nodes, reach)
+    X_start = X_CO
+    if settings.affine:
+        strongest = np.abs(matches.strength).argmax(1)
+        rows = np.arange(len(nodes))
+        displacement = np.where(matches.strength[rows, strongest] != 0, matches.offset[rows, strongest], np.nan)
+        motion = fit_affine(
+            nodes.pixel, nodes.normal, displacement, model="quadratic" if settings.quadratic else "affine"
+        )
+        if motion.valid:
+            X_CO = fit_points(nodes.p_O, move_points(motion, nodes.pixel), np.ones(len(nodes)), X_CO, sight.lens)
+    if settings.gradient_fit:
+        thin = nodes.take(slice(None, None, 2))
+        V_CO = sight.V_CO if settings.dynamic_step else None
+        steps = search_steps(thin, X_CO, sight.lens, V_CO, sight.dt)
+        X_CO = fit_gradients(sight.patch, thin, X_CO, sight.lens, steps).X_CO
+    widths = (0.6 * reach, 0.4 * reach, 4.0, 3.0, 2.0)
+    options = [edge_pass(sight, X, reach, widths) for X in ((X_start, X_CO) if X_CO is not X_start else (X_start,))]
+    return max(options, key=lambda o: weigh(o[2], o[1], None).edges)[0]
