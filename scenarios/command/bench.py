@@ -1,5 +1,8 @@
 """``vipr bench NAME``: the benchmarks whose tables stand in the README."""
 
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
 
@@ -8,3 +11,32 @@ def register(app: typer.Typer) -> None:
     group = typer.Typer(help="Measure a stage; the tables of the README.", no_args_is_help=True)
     app.add_typer(group, name="bench")
     # One line a benchmark: `group.command("tracking")(tracking)`, heavy imports inside the function.
+    group.command("tracking")(tracking)
+
+
+def tracking(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Fewer and shorter sequences: a minute or two, not half an hour.")
+    ] = False,
+    only: Annotated[
+        str,
+        typer.Option(
+            help="Parts, with commas between: accuracy, fig11, parts, handheld, disturbance, loss, recordings, time."
+        ),
+    ] = "",
+    data: Annotated[
+        Path | None, typer.Option(help="Folder of recordings, each with images, model, camera and reference.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of all motions, scenery and noise.")] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
+) -> None:
+    """The model-based tracker: accuracy, speed, disturbances, losses, recordings, time."""
+    from rich.console import Console
+
+    from vipr.scenarios.bench.tables import print_json, print_tables
+    from vipr.scenarios.bench.tracking import run
+
+    parts = [name.strip() for name in only.split(",") if name.strip()]
+    with Console(stderr=True).status("rendering") as status:
+        tables = run(quick=quick, only=parts, data=data, seed=seed, progress=status.update)
+        (print_json if as_json else print_tables)(tables)

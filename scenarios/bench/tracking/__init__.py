@@ -1,0 +1,41 @@
+"""``vipr bench tracking``: the model-based tracker on rendered sequences with truth and on recordings.
+
+One module a part; each has ``run(bench) -> Iterator[Table]``. See `PARTS` for their names.
+"""
+
+import importlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from vipr.scenarios.bench.tables import Table
+from vipr.scenarios.bench.tracking.workbench import Workbench
+from vipr.systems.errors import InputError
+
+PARTS = {
+    "accuracy": "errors beside the Cramer-Rao bound",
+    "fig11": "full turns and lateral motion, survived or not",
+    "parts": "fastest motion survived with each part of the method switched off",
+    "handheld": "carried and shaken by hand before clutter",
+    "disturbance": "occlusion, clutter, light, blur, dropped frames",
+    "loss": "forced losses detected, false alarms",
+    "recordings": "real recordings beside ViSP and RAPID",
+    "time": "milliseconds by step, with nodes and with image size",
+}
+
+
+def run(
+    *,
+    quick: bool = False,
+    only: list[str] | None = None,
+    data: Path | None = None,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Iterator[Table]:
+    """The tables of the parts, each as soon as it is measured. Raises InputError for unknown parts or missing data."""
+    names = only or [name for name in PARTS if name != "recordings" or data is not None]
+    for name in names:
+        if name not in PARTS:
+            raise InputError(f"bench tracking: unknown part {name!r}, allowed are {', '.join(PARTS)}")
+    bench = Workbench(quick=quick, data=data, seed=seed, progress=progress)
+    for name in names:
+        yield from importlib.import_module(f"vipr.scenarios.bench.tracking.{name}").run(bench)

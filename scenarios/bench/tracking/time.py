@@ -1,0 +1,135 @@
+"""Time a frame takes: in all, by step, with the number of nodes and with the size of the image. One thread."""
+
+import inspect
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from vipr.scenarios.bench.tables import Table
+from vipr.scenarios.bench.tracking.workbench import BOXES, RATE, XC77, Workbench
+from vipr.scenarios.sequences import trajectories
+from vipr.scenarios.sequences.rendered import Conditions
+from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking import model_tracking
+from vipr.systems.tracking.model_tracking import TrackerSettings
+
+REPEATS = 5
+
+
+def run(bench: Workbench) -> Iterator[Table]:
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield from _tables(bench)
+    finally:
+        cv2.setNumThreads(threads)
+
+
+def _tables(bench):
+    length = 20 if bench.quick else 50
+    frames = {name: _frames(bench, name, XC77, length) for name in BOXES}
+    total = Table(
+        "Time a frame at 640x480, ms",
+        ("object", "nodes used", "median", "90 %", "best run's median"),
+        note=f"Hand-held motion of up to 8 px a frame before clutter; {REPEATS} runs of {length} frames.",
+    )
+    for name in BOXES:
+        bench.progress(f"time: {name}")
+        runs = [bench.track(name, frames[name], count=False) for _ in range(REPEATS)]
+        ms = np.array([r.ms[3:] for r in runs])
+        used = int(np.median([b.nodes for b in runs[0].beliefs]))
+        best = float(np.median(ms, axis=1).min())
+        total.rows.append((name, used, float(np.median(ms)), float(np.percentile(ms, 90)), best))
+    yield total
+    name = BOXES[0]
+    bench.progress("time: by step")
+    with clocked() as spent:
+        result = bench.track(name, frames[name] * 3, count=False)
+    count, whole = len(result.ms), sum(result.ms)
+    steps = Table("Time by step (with the clocks' own cost)", ("step", "calls a frame", "ms a frame", "share"))
+    for step, (calls, seconds) in sorted(spent.items(), key=lambda item: -item[1][1]):
+        steps.rows.append((step, calls / count, 1e3 * seconds / count, f"{1e3 * seconds / whole:.0%}"))
+    rest = whole - 1e3 * sum(s for _, s in spent.values())
+    steps.rows.append(("the rest", float("nan"), rest / count, f"{rest / whole:.0%}"))
+    yield steps
+    nodes = Table("Time with the number of nodes asked for, 640x480", ("nodes asked", "nodes used", "ms median"))
+    for asked in (50, 100, 200, 400) if bench.quick else (50, 100, 200, 400, 800):
+        bench.progress(f"time: {asked} nodes")
+        settings = replace(TrackerSettings(), nodes=asked, spacing=0.5)
+        result = bench.track(name, frames[name], settings, count=False)
+        nodes.rows.append((asked, int(np.median([b.nodes for b in result.beliefs])), float(np.median(result.ms[3:]))))
+    yield nodes
+    sizes = Table(
+        "Time with the size of the image, the same view, 200 nodes",
+        ("image", "megapixels", "ms median"),
+        note="Corners move by up to 8 px a frame at every size.",
+    )
+    for scale in (0.5, 1.0, 2.0) if bench.quick else (0.5, 1.0, 2.0, 3.0):
+        bench.progress(f"time: scale {scale:g}")
+        lens = scaled(XC77, scale)
+        seen = frames[name] if scale == 1.0 else _frames(bench, name, lens, 12 if bench.quick else 20)
+        result = bench.track(name, seen, lens=lens, count=False)
+        sizes.rows.append(
+            (f"{lens.width}x{lens.height}", lens.width * lens.height / 1e6, float(np.median(result.ms[3:])))
+        )
+    yield sizes
+
+
+def scaled(lens: Lens, scale: float) -> Lens:
+    """The lens before a sensor with scale times as many pixels a side."""
+    return Lens(
+        round(lens.width * scale),
+        round(lens.height * scale),
+        lens.fx * scale,
+        lens.fy * scale,
+        (lens.cx + 0.5) * scale - 0.5,
+        (lens.cy + 0.5) * scale - 0.5,
+    )
+
+
+def _frames(bench, name, lens, length):
+    model = bench.model(name)
+    moving = trajectories.hand_held(
+        bench.at(name), model.corners, lens, seed=3, pixels_per_frame=8.0, duration=length / RATE, centre_O=model.centre
+    )
+    return bench.render(name, moving, length, Conditions(samples=2), lens=lens, seed=3)
+
+
+@contextmanager
+def clocked():
+    """{function: (calls, exclusive seconds)} of the tracker's functions that `model_tracking` calls, while in the body."""
+    spent, inner, originals = {}, [], {}
+
+    def clock(name, function):
+        def timed(*args, **kwargs):
+            inner.append(0.0)
+            begin = time.perf_counter()
+            try:
+                return function(*args, **kwargs)
+            finally:
+                took = time.perf_counter() - begin
+                calls, seconds = spent.get(name, (0, 0.0))
+                spent[name] = calls + 1, seconds + took - inner.pop()
+                if inner:
+                    inner[-1] += took
+
+        return timed
+
+    for name, value in vars(model_tracking).items():
+        if (
+            inspect.isfunction(value)
+            and value.__module__.startswith("vipr.systems.tracking")
+            and name not in ("start", "step")
+        ):
+            originals[name] = value
+    try:
+        for name, value in originals.items():
+            setattr(model_tracking, name, clock(name.lstrip("_").replace("_", " "), value))
+        yield spent
+    finally:
+        for name, value in originals.items():
+            setattr(model_tracking, name, value)

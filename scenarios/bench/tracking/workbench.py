@@ -1,0 +1,147 @@
+"""What all parts of the tracking benchmark share: the lens, objects, one renderer a background, runs of the tracker, verdicts."""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from pathlib import Path
+
+import numpy as np
+
+import vipr.models
+from vipr.scenarios.sequences.rendered import Conditions, sequence
+from vipr.scenarios.sequences.renderer import SequenceRenderer
+from vipr.systems import se3
+from vipr.systems.camera.lens import Lens
+from vipr.systems.signals import CameraFrame
+from vipr.systems.tracking.cad_model import CadModel, load_model
+from vipr.systems.tracking.evaluation import FOLLOWED_DEG, FOLLOWED_PX, corner_distances
+from vipr.systems.tracking.model_tracking import Belief, TrackerSettings, start, step
+
+XC77 = Lens(640, 480, 1948.05, 1923.08, 319.5, 239.5)
+BOXES = ("rice_box", "milk_carton")
+OBJECTS = (*BOXES, "can")
+RATE = 25.0  # images/s
+UPRIGHT = (
+    se3.exp_so3(np.array([0.3, 0, 0])) @ se3.exp_so3(np.array([0, 0.6, 0])) @ se3.exp_so3(np.array([np.pi / 2, 0, 0]))
+)
+Frames = list[tuple[CameraFrame, np.ndarray]]
+
+
+@dataclass
+class Run:
+    """What the tracker said of each frame, against the truth."""
+
+    model: CadModel
+    lens: Lens
+    truth: list[np.ndarray] = field(default_factory=list)
+    beliefs: list[Belief] = field(default_factory=list)
+    arrived: list[bool] = field(default_factory=list)
+    ms: list[float] = field(default_factory=list)
+
+    @cached_property
+    def corner_px(self) -> np.ndarray:
+        """(F,) RMS distance of the projected corners from where they truly are."""
+        found = [
+            corner_distances(self.model, self.lens, without_spin(self.model, b.X_CO, X), X)
+            for b, X in zip(self.beliefs, self.truth, strict=True)
+        ]
+        return np.array([np.sqrt(np.mean(d**2)) for d in found])
+
+    @cached_property
+    def degrees(self) -> np.ndarray:
+        """(F,) rotation errors."""
+        pairs = zip(self.beliefs, self.truth, strict=True)
+        return np.array([np.degrees(se3.angle_between(without_spin(self.model, b.X_CO, X), X)) for b, X in pairs])
+
+    @cached_property
+    def millimetres(self) -> np.ndarray:
+        """(F, 3) errors of the object's centre in C."""
+        c = self.model.centre
+        pairs = zip(self.beliefs, self.truth, strict=True)
+        return 1e3 * np.array([(b.X_CO - X)[:3, :3] @ c + (b.X_CO - X)[:3, 3] for b, X in pairs])
+
+    @property
+    def followed(self) -> np.ndarray:
+        """(F,) whether the pose is right, as in `evaluation`."""
+        return (self.corner_px <= FOLLOWED_PX) & (self.degrees <= FOLLOWED_DEG)
+
+    @property
+    def lost_at(self) -> int | None:
+        """First frame that was not followed."""
+        bad = np.flatnonzero(~self.followed)
+        return int(bad[0]) if len(bad) else None
+
+    @property
+    def survived(self) -> bool:
+        return self.lost_at is None
+
+    def states(self, state: str) -> np.ndarray:
+        """(F,) whether that state was reported."""
+        return np.array([b.state == state for b in self.beliefs])
+
+
+def without_spin(model: CadModel, X_CO: np.ndarray, X_true: np.ndarray) -> np.ndarray:
+    """The pose turned about the axis of a solid of revolution so that it is nearest to the truth; other objects: the pose."""
+    if len(model.vertices) or not len(model.cylinders):
+        return X_CO
+    a, b = model.cylinders[0][:3], model.cylinders[0][3:6]
+    axis = (b - a) / np.linalg.norm(b - a)
+    M = X_CO[:3, :3].T @ X_true[:3, :3]
+    angle = np.arctan2(axis @ [M[2, 1] - M[1, 2], M[0, 2] - M[2, 0], M[1, 0] - M[0, 1]], np.trace(M) - axis @ M @ axis)
+    turn = se3.pose(se3.exp_so3(angle * axis), np.zeros(3))
+    shift = se3.pose(np.eye(3), a)
+    return X_CO @ shift @ turn @ se3.inverse(shift)
+
+
+class Workbench:
+    """Options of the benchmark, and what is costly to make, kept."""
+
+    def __init__(self, *, quick: bool, data: Path | None, seed: int, progress: Callable[[str], None]):
+        self.quick, self.data, self.seed, self.progress = quick, data, seed, progress
+        self.lens = XC77
+        self.renderer = cache(self._renderer)
+        self.model = cache(lambda name: load_model(_folder() / name / "model.yaml"))
+        self.good_frames = [0, 0, 0]  # rightly followed frames of all runs; of those said to be uncertain; to be lost
+
+    def _renderer(self, background: str, lens: Lens) -> SequenceRenderer:
+        objects = {name: _folder() / name / "visual.obj" for name in OBJECTS}
+        return SequenceRenderer(objects, lens, background=background, seed=self.seed + 11)
+
+    def render(self, name, trajectory, frames, conditions=None, *, background="clutter", seed=0, lens=None) -> Frames:
+        """Frames of an object with their truth."""
+        renderer = self.renderer(background, lens or self.lens)
+        return list(
+            sequence(renderer, name, trajectory, frames, conditions or Conditions(), seed=self.seed + seed, rate=RATE)
+        )
+
+    def at(self, name: str, *, turn=UPRIGHT, place=(0.0, 0.0, 2.0)) -> np.ndarray:
+        """X_CO of an object with its centre at a place in C [m]."""
+        return se3.pose(turn, np.asarray(place) - turn @ self.model(name).centre)
+
+    def track(
+        self, name: str, frames: Iterable, settings: TrackerSettings | None = None, *, lens=None, count=True
+    ) -> Run:
+        """Run the tracker over frames from the true pose of the first."""
+        model, lens = self.model(name), lens or self.lens
+        settings = settings or TrackerSettings()
+        run, belief = Run(model, lens), None
+        for frame, X_CO in frames:
+            if belief is None:
+                belief = start(X_CO, frame.time)
+            begin = time.perf_counter()
+            belief = step(belief, frame.image, frame.time, model, lens, settings, number=frame.number)
+            run.ms.append(1e3 * (time.perf_counter() - begin))
+            run.truth.append(X_CO)
+            run.beliefs.append(belief)
+            run.arrived.append(frame.arrived)
+        if count and settings == TrackerSettings():
+            good = run.followed & (run.corner_px < 5.0) & np.array(run.arrived) & (np.arange(len(run.truth)) > 1)
+            self.good_frames[0] += int(good.sum())
+            self.good_frames[1] += int((good & run.states("uncertain")).sum())
+            self.good_frames[2] += int((good & run.states("lost")).sum())
+        return run
+
+
+def _folder() -> Path:
+    return Path(vipr.models.__file__).parent
