@@ -81,16 +81,23 @@ class Run:
         return np.array([b.state == state for b in self.beliefs])
 
 
+def spin_axis(model: CadModel) -> np.ndarray | None:
+    """(3,) unit axis in O of a solid of revolution, about which its pose cannot be seen; None for other objects."""
+    if len(model.vertices) or not len(model.cylinders):
+        return None
+    along = model.cylinders[0][3:6] - model.cylinders[0][:3]
+    return along / np.linalg.norm(along)
+
+
 def without_spin(model: CadModel, X_CO: np.ndarray, X_true: np.ndarray) -> np.ndarray:
     """The pose turned about the axis of a solid of revolution so that it is nearest to the truth; other objects: the pose."""
-    if len(model.vertices) or not len(model.cylinders):
+    axis = spin_axis(model)
+    if axis is None:
         return X_CO
-    a, b = model.cylinders[0][:3], model.cylinders[0][3:6]
-    axis = (b - a) / np.linalg.norm(b - a)
     M = X_CO[:3, :3].T @ X_true[:3, :3]
-    angle = np.arctan2(axis @ [M[2, 1] - M[1, 2], M[0, 2] - M[2, 0], M[1, 0] - M[0, 1]], np.trace(M) - axis @ M @ axis)
-    turn = se3.pose(se3.exp_so3(angle * axis), np.zeros(3))
-    shift = se3.pose(np.eye(3), a)
+    sin, cos = axis @ [M[2, 1] - M[1, 2], M[0, 2] - M[2, 0], M[1, 0] - M[0, 1]], np.trace(M) - axis @ M @ axis
+    turn = se3.pose(se3.exp_so3(np.arctan2(sin, cos) * axis), np.zeros(3))
+    shift = se3.pose(np.eye(3), model.cylinders[0][:3])
     return X_CO @ shift @ turn @ se3.inverse(shift)
 
 
