@@ -83,6 +83,16 @@ class CadModel:
         return np.r_[np.full(len(self.triangles), -1), np.repeat(np.arange(len(self.cylinders)), per_cylinder)]
 
     @cached_property
+    def edge_planes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Planes (4 E, 3) and offsets (4 E,): ``planes @ eye > offsets`` says of each edge, for a camera centre eye in O, whether its first
+        and its second face are seen, then whether these faces lie to the left of the edge.
+        """
+        a, b = self.vertices[self.edges[:, 0]], self.vertices[self.edges[:, 1]]
+        sides = [np.cross(b - a, self.edge_inward[:, i]) for i in (0, 1)]
+        planes = np.concatenate([self.edge_normals[:, 0], self.edge_normals[:, 1], *sides])
+        return planes, (planes * np.tile(a, (4, 1))).sum(1)
+
+    @cached_property
     def edge_lengths(self) -> np.ndarray:
         """(E,) [m]."""
         return np.linalg.norm(self.vertices[self.edges[:, 1]] - self.vertices[self.edges[:, 0]], axis=1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from vipr.systems.tracking.normal_flow import Matches
 from vipr.systems.tracking.pose_fit import Fit
-from vipr.systems.tracking.texture import TextureFit
+from vipr.systems.tracking.texture import Keyframe, TextureFit
 
 NEAR = 1.5  # px: an edge within this supports its node
 TRACKING, LOST = 0.5, 0.15  # score above which the pose can be used, below which it means nothing
@@ -24,20 +24,28 @@ class Evidence:
     nodes: int = 0  # supported
     texture: float = 0.0  # 0 to 1, share of patches that look right
     patches: int = 0  # compared
-    sigma: float = float("nan")  # px
+    sigma: float = float("nan")  # px, robust RMS residual
+    trust: float = 1.0  # 0 to 1, how sure the keyframe's own pose was
+    quality: float = 0.0  # 0 to 1, how closely and how strongly the nodes' edges fit: compares attempts at one image
 
     @property
     def score(self) -> float:
         """0 to 1, the probability that the pose is right, as calibrated on forced losses."""
         if self.nodes < 8:
             return 0.0
+        by_texture = 0.0
         z = -3.6 + 9.0 * self.edges
         if self.patches >= 8:
-            z += 8.0 * (self.texture - 0.35)
-        return float(1.0 / (1.0 + np.exp(-z)))
+            by_texture = self.trust * _logistic(-5.0 + 12.0 * self.texture)
+            z -= 4.0 * max(0.5 - self.texture, 0.0)
+        return 1.0 - (1.0 - _logistic(z)) * (1.0 - by_texture)
 
 
-def weigh(matches: Matches, fit: Fit, texture: TextureFit | None) -> Evidence:
+def _logistic(z: float) -> float:
+    return float(1.0 / (1.0 + np.exp(-z)))
+
+
+def weigh(matches: Matches, fit: Fit, texture: TextureFit | None = None, keyframe: Keyframe | None = None) -> Evidence:
     """Evidence for a pose from its last edge pass and texture alignment."""
     N = len(matches.offset)
     if not N:
@@ -47,6 +55,11 @@ def weigh(matches: Matches, fit: Fit, texture: TextureFit | None) -> Evidence:
     density = present.sum(1) * min(2.0 * NEAR / (2.0 * matches.reach + 1.0), 1.0)
     chance = float((1.0 - np.exp(-density)).mean())
     edges = (float(supported.mean()) - chance) / (1.0 - chance)
-    if texture is None:
-        return Evidence(edges, int(supported.sum()), 0.0, 0, fit.sigma)
-    return Evidence(edges, int(supported.sum()), texture.agreement, texture.patches, fit.sigma)
+    strength = np.abs(matches.strength)
+    share = strength[np.arange(N), fit.chosen] / np.maximum(strength.max(1), 1e-9)
+    close = np.exp(-0.5 * np.nan_to_num(fit.residual, nan=9.0) ** 2)
+    quality = float((close * (0.5 + 0.5 * share)).mean())
+    seen = (texture.agreement, texture.patches) if texture is not None else (0.0, 0)
+    return Evidence(
+        edges, int(supported.sum()), *seen, fit.sigma, keyframe.trust if keyframe is not None else 1.0, quality
+    )

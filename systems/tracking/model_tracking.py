@@ -15,8 +15,8 @@ from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import LOST, TRACKING
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict
-from vipr.systems.tracking.pose_fit import point_jacobian
-from vipr.systems.tracking.search import Attempt, Sight, attempt
+from vipr.systems.tracking.pose_fit import corner_shift, move, point_jacobian
+from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt
 from vipr.systems.tracking.texture import Keyframe, choose_keyframe, correlation_at, learn_keyframe
 
 
@@ -135,7 +135,7 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     sight.open([ahead.X_CO, belief.X_CO], margin=sight.settings.reach + 3.0 * min(spread, 20.0))
     X_start = ahead.X_CO
     keyframe = choose_keyframe(belief.keyframes, ahead.X_CO)
-    apart = _corner_shift(ahead.X_CO, belief.X_CO, sight)
+    apart = corner_shift(sight.model, sight.lens, ahead.X_CO, belief.X_CO)
     if keyframe is not None and apart > 3.0:  # is the object where it was heading, or where it was?
         options = [ahead.X_CO, belief.X_CO]
         likeness = [
@@ -143,7 +143,9 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
         ]
         X_start = options[int(np.argmax(likeness))]
     depth = 1 if max(spread, apart) < 2.0 else 2
-    best = attempt(sight, X_start, keyframe, depth, ahead.covariance[:6, :6], belief.X_CO_given)
+    if belief.X_CO_given is not None:
+        return acquire(sight, belief.X_CO_given, ahead.covariance[:6, :6])
+    best = attempt(sight, X_start, keyframe, depth, ahead.covariance[:6, :6])
     if best.evidence.score > 0.7 or not sight.settings.second_try:
         return best
     starts = [ahead.X_CO, belief.X_CO] if apart > 1.0 else [ahead.X_CO]
@@ -152,7 +154,7 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     sight.open(starts, margin=3.0 * sight.settings.reach)
     for X in starts:
         for k in {id(k): k for k in (keyframe, None)}.values():
-            other = attempt(sight, X, k, 3, ahead.covariance[:6, :6], belief.X_CO_given, far=True)
+            other = attempt(sight, X, k, 3, ahead.covariance[:6, :6], far=True)
             if other.evidence.score > best.evidence.score:
                 best = other
         if best.evidence.score > 0.8:
@@ -170,7 +172,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
     if score > 0.8 and sight.settings.texture:
-        keyframes = _learn(keyframes, motion, sight)
+        keyframes = _learn(keyframes, motion, sight, score)
     return Belief(
         motion,
         state,
@@ -187,12 +189,12 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     )
 
 
-def _learn(keyframes, motion, sight):
+def _learn(keyframes, motion, sight, score):
     """Keyframes with one more where the object is seen from a new side."""
     nearest = choose_keyframe(keyframes, motion.X_CO, limit=0.2)
     if nearest is not None:
         return keyframes
-    speed = _corner_shift(motion.X_CO, predict(motion, max(sight.dt, 0.0), 0.0, 0.0).X_CO, sight)
+    speed = corner_shift(sight.model, sight.lens, motion.X_CO, move(motion.X_CO, motion.V_CO * sight.dt))
     if speed > 5.0 and choose_keyframe(keyframes, motion.X_CO, limit=0.4) is not None:
         return keyframes  # blurred: wait while an older one still serves
     new = learn_keyframe(
@@ -203,19 +205,9 @@ def _learn(keyframes, motion, sight):
         sight.lens,
         sight.settings.patches,
         sight.occluders_C,
+        score,
     )
     return keyframes if new is None else (*keyframes[-11:], new)
-
-
-def _corner_shift(X_CA, X_CB, sight):
-    """RMS px between the model's corners at two poses; large behind the camera."""
-    ends = []
-    for X in (X_CA, X_CB):
-        p_C = sight.model.corners @ X[:3, :3].T + X[:3, 3]
-        if (p_C[:, 2] <= 1e-3).any():
-            return 1e3
-        ends.append(sight.lens.project(p_C))
-    return float(np.sqrt(((ends[0] - ends[1]) ** 2).sum(1).mean()))
 
 
 def _spread_px(ahead, sight):

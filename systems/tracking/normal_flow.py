@@ -48,7 +48,8 @@ def cut_patch(image: np.ndarray, low: np.ndarray, high: np.ndarray, sigma: float
     grey = grey.astype(np.float32)
     noise = _noise(grey)
     if sigma > 0:
-        grey = cv2.GaussianBlur(grey, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
+        size = 2 * int(np.ceil(2.0 * sigma)) - 1
+        grey = cv2.GaussianBlur(grey, (size, size), sigma, borderType=cv2.BORDER_REPLICATE)
     return Patch(grey, np.array([x0, y0], float), noise)
 
 
@@ -70,13 +71,15 @@ def sample_profiles(
         return np.zeros((0, len(s)), np.float32)
     base = (pixel - patch.origin).astype(np.float32)
     n = normal.astype(np.float32)
-    lines = base[:, None, :] + s.astype(np.float32)[None, :, None] * n[:, None, :]
+    s32 = s.astype(np.float32)
+    x, y = base[:, :1] + n[:, :1] * s32, base[:, 1:] + n[:, 1:] * s32
     if across > 1:
-        side = (np.arange(across, dtype=np.float32) - 0.5 * (across - 1))[:, None, None, None]
-        lines = lines[None] + side * np.stack([-n[:, 1], n[:, 0]], 1)[None, :, None, :]
-    maps = lines.reshape(-1, len(s), 2)
-    values = cv2.remap(patch.grey, maps, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return values.reshape(across, -1, len(s)).mean(0) if across > 1 else values
+        side = (np.arange(across, dtype=np.float32) - np.float32(0.5 * (across - 1)))[:, None, None]
+        x, y = x - side * n[:, 1:], y + side * n[:, :1]
+    values = cv2.remap(
+        patch.grey, x.reshape(-1, len(s)), y.reshape(-1, len(s)), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
+    return values.reshape(across, -1, len(s)).sum(0) * np.float32(1.0 / across) if across > 1 else values
 
 
 @lru_cache(maxsize=32)

@@ -60,7 +60,11 @@ def point_jacobian(p_O: np.ndarray, X_CO: np.ndarray, lens: Lens) -> np.ndarray:
     J[:, 0, 5] = -lens.fx * p[:, 0] * inverse**2
     J[:, 1, 4] = lens.fy * inverse
     J[:, 1, 5] = -lens.fy * p[:, 1] * inverse**2
-    J[:, :, :3] = np.cross(q[:, None], J[:, :, 3:])
+    x, y, z = q.T[:, :, None]
+    gx, gy, gz = J[:, :, 3], J[:, :, 4], J[:, :, 5]
+    J[:, :, 0] = y * gz - z * gy
+    J[:, :, 1] = z * gx - x * gz
+    J[:, :, 2] = x * gy - y * gx
     return J
 
 
@@ -69,25 +73,27 @@ def normal_jacobian(nodes: Nodes, X_CO: np.ndarray, lens: Lens) -> np.ndarray:
     q = nodes.p_O @ X_CO[:3, :3].T
     p = q + X_CO[:3, 3]
     J = np.empty((len(q), 6))
-    g = J[:, 3:]
-    np.multiply(nodes.normal, (lens.fx, lens.fy), out=g[:, :2])
-    g[:, 2] = -(g[:, 0] * p[:, 0] + g[:, 1] * p[:, 1]) / p[:, 2]
-    g /= p[:, 2:]
-    J[:, 0] = q[:, 1] * g[:, 2] - q[:, 2] * g[:, 1]
-    J[:, 1] = q[:, 2] * g[:, 0] - q[:, 0] * g[:, 2]
-    J[:, 2] = q[:, 0] * g[:, 1] - q[:, 1] * g[:, 0]
+    inverse = 1.0 / p[:, 2]
+    gx = nodes.normal[:, 0] * (lens.fx * inverse)
+    gy = nodes.normal[:, 1] * (lens.fy * inverse)
+    gz = -(gx * p[:, 0] + gy * p[:, 1]) * inverse
+    x, y, z = q.T
+    J[:, 0], J[:, 1], J[:, 2] = y * gz - z * gy, z * gx - x * gz, x * gy - y * gx
+    J[:, 3], J[:, 4], J[:, 5] = gx, gy, gz
     return J
 
 
 def tukey(r: np.ndarray, c: float) -> np.ndarray:
     """Tukey's weight of residuals: (1 - (r/c)^2)^2 inside c, 0 outside."""
-    inside = 1.0 - np.minimum((r / c) ** 2, 1.0)
+    inside = np.maximum(1.0 - (r / c) ** 2, 0.0)
     return inside * inside
 
 
 def damping(J: np.ndarray, scale: float = 1e-4) -> np.ndarray:
     """(6, 6) a trace of information on every displacement, so that what the nodes do not see stays where it is."""
-    return np.diag(scale * np.maximum((J * J).sum(0), 1e-12))
+    H = np.zeros((6, 6))
+    H.flat[::7] = scale * (J * J).sum(0) + 1e-12
+    return H
 
 
 def fit_pose(
@@ -119,39 +125,42 @@ def fit_pose(
     if N == 0 or not present.any():
         return Fit(d, prior_information, np.full(N, np.nan), np.zeros(N, int), np.zeros(N), float("nan"))
     base = damping(J) + prior_information
-    far = np.where(present, matches.offset, 1e9)
+    Jt = np.ascontiguousarray(J.T)
+    offset = np.where(present, matches.offset, 0.0)
+    far = np.where(present, matches.offset, 1e3)
     for width in widths:
         r = far - (J @ d)[:, None]
-        share = preference * np.exp(np.maximum(-0.5 / width**2 * r * r, -50.0))
+        share = preference * np.exp((-0.5 / width**2) * (r * r))
         total = share.sum(1)
-        w = total / (total + 0.1) / max(width, noise_floor) ** 2  # a node with nothing near its prediction says nothing
-        target = (share * np.where(present, matches.offset, 0.0)).sum(1) / np.maximum(total, 1e-12)
-        WJ = J * w[:, None]
-        d = solve(J.T @ WJ + base, WJ.T @ target + prior_pull)
+        # A node with nothing near its prediction says nothing.
+        w = total / ((total + 0.1) * max(width, noise_floor) ** 2)
+        target = (share * offset).sum(1) / (total + 1e-12)
+        WJ = Jt * w
+        d = solve(WJ @ J + base, WJ @ target + prior_pull)
     rows = np.arange(N)
-    members = np.bincount(edge) if edge is not None else np.ones(1)
-    common = np.ones(N)
+    far_preferred = 2.0 * widths[-1] * (1.0 - preference)
+    members = np.bincount(edge) if edge is not None else None
+    common = 1.0
     for _ in range(3):
         r = far - (J @ d)[:, None]
-        chosen = np.argmin(np.abs(r) + 2.0 * widths[-1] * (1.0 - preference), axis=1)
+        chosen = (np.abs(r) + far_preferred).argmin(1)
         residual = r[rows, chosen]
-        found = present[rows, chosen]
-        near = np.abs(residual[found & (np.abs(residual) < 4.0 * widths[-1])])
-        sigma = max(1.4826 * float(np.median(near)), noise_floor) if len(near) else widths[-1]
-        w = tukey(residual, 4.685 * sigma) * found
+        magnitude = np.abs(residual)
+        near = magnitude[magnitude < 4.0 * widths[-1]]
+        half = len(near) // 2
+        sigma = max(1.4826 * float(np.partition(near, half)[half]), noise_floor) if len(near) else widths[-1]
+        w = tukey(residual, 4.685 * sigma)  # of what is absent: 0
         if edge is not None:
             held = np.bincount(edge, w)
-            mean = np.bincount(edge, w * np.where(found, residual, 0.0)) / np.maximum(held, 1e-9)
-            counted = held > 0.3 * members
-            few = int(counted.sum())
-            spread = (
-                float((mean[counted] ** 2).sum()) / max(few - 4, 1) if few else 0.0
-            )  # the pose has taken up some of it
-            common = 1.0 / (1.0 + held[edge] * max(spread, model_error**2) * doubt / sigma**2)
-        WJ = J * (w * common / sigma**2)[:, None]
-        d = solve(J.T @ WJ + base, WJ.T @ np.where(found, matches.offset[rows, chosen], 0.0) + prior_pull)
-    residual = np.where(found, (far - (J @ d)[:, None])[rows, chosen], np.nan)
-    return Fit(d, J.T @ WJ + prior_information, residual, chosen, w, sigma)
+            mean = np.bincount(edge, w * residual) / np.maximum(held, 1e-9)
+            mean = mean[held > 0.3 * members]
+            spread = float(mean @ mean) / max(len(mean) - 4, 1)  # the pose has taken up some of it
+            common = 1.0 / (1.0 + held * (max(spread, model_error**2) * doubt / sigma**2))[edge]
+        WJ = Jt * (w * common / sigma**2)
+        H = WJ @ J
+        d = solve(H + base, WJ @ offset[rows, chosen] + prior_pull)
+    residual = np.where(present[rows, chosen], (far - (J @ d)[:, None])[rows, chosen], np.nan)
+    return Fit(d, H + prior_information, residual, chosen, w, sigma)
 
 
 def solve(H: np.ndarray, g: np.ndarray) -> np.ndarray:
@@ -178,3 +187,15 @@ def corner_information(model: CadModel, X_CO: np.ndarray, lens: Lens, pixels: fl
     """(6, 6) information of a pose whose projected model corners are each known to `pixels` RMS."""
     J = point_jacobian(model.corners, X_CO, lens).reshape(-1, 6)
     return J.T @ J / pixels**2
+
+
+def corner_shift(model: CadModel, lens: Lens, X_CA: np.ndarray, X_CB: np.ndarray) -> float:
+    """RMS px between the projections of the model's corners at two poses; 1000 behind the camera."""
+    ends = []
+    for X in (X_CA, X_CB):
+        p_C = model.corners @ X[:3, :3].T + X[:3, 3]
+        if p_C[:, 2].min() <= 1e-3:
+            return 1e3
+        ends.append(lens.project(p_C))
+    off = ends[0] - ends[1]
+    return float(np.sqrt((off * off).sum() / len(off)))

@@ -13,6 +13,7 @@ from vipr.systems.tracking.normal_flow import cut_patch, find_edges
 from vipr.systems.tracking.pose_fit import (
     Prior,
     corner_information,
+    corner_shift,
     difference,
     fit_points,
     fit_pose,
@@ -22,6 +23,7 @@ from vipr.systems.tracking.pose_fit import (
 from vipr.systems.tracking.texture import Keyframe, align, pyramid
 from vipr.systems.tracking.visible_edges import visible_nodes
 
+_DIRECTIONS = np.random.default_rng(0).normal(size=(14, 6)) / np.sqrt(3.0)  # starts off the axes, the same in every run
 AGREES = 0.4  # share of texture patches that must look right for the alignment to be followed
 
 
@@ -63,12 +65,12 @@ def attempt(
     keyframe: Keyframe | None,
     depth: int,
     covariance: np.ndarray,
-    X_CO_given: np.ndarray | None = None,
     far: bool = False,
+    near: bool = False,
 ) -> Attempt:
-    """Search from X_CO, whose covariance (6, 6) is the prediction's. depth: coarsest pyramid level for the texture; far: the longest reach.
+    """Search from X_CO, whose covariance (6, 6) is the prediction's.
 
-    A pose given from outside counts as a measurement of its own, the less the further the image is from it.
+    depth: coarsest pyramid level for the texture; far: the longest reach; near: X_CO is already at the edges.
     """
     texture, prior = None, None
     information = np.linalg.inv(covariance + 1e-12 * np.eye(6))
@@ -81,20 +83,47 @@ def attempt(
             X_CO = texture.X_CO
             own = np.linalg.inv(texture.information + 1e-6 * np.diag(texture.information.diagonal() + 1e-9))
             prior = np.linalg.inv(own + keyframe.covariance)
-    if prior is None:
+    if prior is None and not near:
         X_CO = _find_far(sight, X_CO, sight.settings.reach * (2.0 if far else 1.0))
     # What is wrong with an edge in one frame is wrong in the next: the keyframe's pose has counted it already.
     X_aim, doubt = X_CO, 1.0 if prior is None else 4.0
-    for _ in range(2):
+    for _ in range(3):
+        X_before = X_CO
         X_CO, fit, matches = edge_pass(
             sight, X_CO, sight.settings.fine_reach, (2.0, 1.3), _about(X_CO, X_aim, prior), doubt
         )
-    if X_CO_given is not None:
-        aim = corner_information(sight.model, X_CO, sight.lens, sight.settings.initial_px)
-        off = difference(X_CO, X_CO_given)
-        trust = 1.0 / (1.0 + float(off @ aim @ off) / 150.0) ** 2  # Geman-McClure: a bad one is let go
-        X_CO, fit, matches = edge_pass(sight, X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, trust * aim))
-    return Attempt(X_CO, np.linalg.inv(fit.information + 1e-3 * information), weigh(matches, fit, texture))
+        if corner_shift(sight.model, sight.lens, X_before, X_CO) < 0.7:
+            break  # the profiles were sampled where they should be
+    return Attempt(X_CO, np.linalg.inv(fit.information + 1e-3 * information), weigh(matches, fit, texture, keyframe))
+
+
+def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Attempt:
+    """The first frame after a pose was given from outside, whose error may be tens of pixels: many starts about it.
+
+    The pose given counts as a measurement of its own, the less the further the image is from it.
+    """
+    reach = sight.settings.reach
+    sight.open([X_CO_given], margin=3.0 * reach)
+    best = attempt(sight, X_CO_given, None, 0, covariance, far=True)
+    rounds = ((0.9 * reach, X_CO_given), (0.45 * reach, None)) if sight.settings.second_try else ()
+    for shift, centre in rounds:
+        if best.evidence.quality > 0.9:
+            break
+        X = best.X_CO if centre is None else centre
+        nodes = visible_nodes(sight.model, X, sight.lens, 60, sight.settings.spacing, sight.occluders_C)
+        if len(nodes) < 6:
+            break
+        steps = search_steps(nodes, X, sight.lens, None, 0.0, shift)
+        for d in np.concatenate([np.diag(steps), -np.diag(steps), steps * _DIRECTIONS]):
+            X_try, _, _ = edge_pass(sight, move(X, d), reach, (0.6 * reach, 0.4 * reach, 4.0, 3.0, 2.0))
+            other = attempt(sight, X_try, None, 0, covariance, near=True)
+            if other.evidence.quality > best.evidence.quality:
+                best = other
+    aim = corner_information(sight.model, best.X_CO, sight.lens, sight.settings.initial_px)
+    off = difference(best.X_CO, X_CO_given)
+    trust = 1.0 / (1.0 + float(off @ aim @ off) / 150.0) ** 2  # Geman-McClure: a bad one is let go
+    X, fit, matches = edge_pass(sight, best.X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, trust * aim))
+    return Attempt(X, np.linalg.inv(fit.information + 1e-3 * np.linalg.inv(covariance)), weigh(matches, fit))
 
 
 def _about(X_CO, X_aim, information):
@@ -127,7 +156,7 @@ def preferences(matches):
 
 
 def _look(sight, nodes, reach):
-    contrast = max(sight.settings.contrast, 2.0 * sight.patch.noise)
+    contrast = max(sight.settings.contrast, 0.8 * sight.patch.noise)
     return find_edges(
         sight.patch,
         nodes,
@@ -162,4 +191,4 @@ def _find_far(sight, X_CO, reach):
         X_CO = fit_gradients(sight.patch, thin, X_CO, sight.lens, steps).X_CO
     widths = (0.6 * reach, 0.4 * reach, 4.0, 3.0, 2.0)
     options = [edge_pass(sight, X, reach, widths) for X in ((X_start, X_CO) if X_CO is not X_start else (X_start,))]
-    return max(options, key=lambda o: weigh(o[2], o[1], None).edges)[0]
+    return max(options, key=lambda o: weigh(o[2], o[1]).quality)[0]

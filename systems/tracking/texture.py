@@ -16,7 +16,7 @@ import numpy as np
 from vipr.systems.camera.lens import Lens
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.normal_flow import Patch
-from vipr.systems.tracking.pose_fit import difference, move, point_jacobian
+from vipr.systems.tracking.pose_fit import difference, move, point_jacobian, solve
 from vipr.systems.tracking.triangulation import unit
 from vipr.systems.tracking.visible_edges import hidden_behind, visible_nodes
 
@@ -37,6 +37,7 @@ class Keyframe:
     axes_O: np.ndarray  # (M, 2, 3) m on the surface for one pixel along x and y of the keyframe
     looks: np.ndarray  # (LEVELS, M, P) samples, mean removed, length one; zero where the patch has no contrast
     gradient: np.ndarray  # (LEVELS, 2, M, P) of looks by the keyframe's level pixels along x and y
+    trust: float = 1.0  # 0 to 1, probability that the pose was right
 
     def __len__(self):
         return len(self.p_O)
@@ -91,6 +92,7 @@ def learn_keyframe(
     lens: Lens,
     count: int = 64,
     occluders_C: np.ndarray | None = None,
+    trust: float = 1.0,
 ) -> Keyframe | None:
     """Patches on the visible faces where the picture has most structure in two directions; None where there are too few."""
     full = pyramid_[0]
@@ -130,7 +132,7 @@ def learn_keyframe(
             slope = 0.5 * (ahead - behind)
             gradient[k, axis] = (slope - slope.mean(1, keepdims=True)) * alive
     R, t = X_CO[:3, :3], X_CO[:3, 3]
-    return Keyframe(X_CO, covariance, (p_C - t) @ R, normal_C @ R, axes_C @ R, looks, gradient)
+    return Keyframe(X_CO, covariance, (p_C - t) @ R, normal_C @ R, axes_C @ R, looks, gradient, trust)
 
 
 def _candidates(full, model, X_CO, lens, count):
@@ -230,6 +232,7 @@ class _View:
         self.seen = _visible(keyframe, model, X_CO, lens, occluders_C) if seen is None else seen
         p_O, axes_O = keyframe.p_O[self.seen], keyframe.axes_O[self.seen]
         self.pixel = lens.project(p_O @ X_CO[:3, :3].T + X_CO[:3, 3])
+        self.X_CO = X_CO
         self.J = J = point_jacobian(p_O, X_CO, lens)  # (M, 2, 6)
         a = (axes_O @ X_CO[:3, :3].T) @ J[:, :, 3:].transpose(
             0, 2, 1
@@ -267,44 +270,46 @@ def align(
 
     prior_information (6, 6) is the confidence in X_CO itself; it decides what the patches do not show.
     """
-    X, kept, seen = X_CO, None, None
+    X, kept, seen, view = X_CO, None, None, None
     prior = prior_information if prior_information is not None else np.zeros((6, 6))
     P = SAMPLES
+    before = d = np.zeros(6)  # from X_CO to the view's pose, and on from there
     for k in use:
         scale = 2.0**k
-        view = _View(keyframe, model, X, lens, occluders_C, seen)
-        seen = view.seen
-        M = len(view.pixel)
-        if M < 6:
-            break
+        if view is None or np.abs(view.J @ d).max() > 1.5:  # the warps of the level before no longer fit
+            view = _View(keyframe, model, X, lens, occluders_C, seen)
+            seen, M = view.seen, len(view.pixel)
+            if M < 6:
+                break
+            before, d = difference(X_CO, X), np.zeros(6)
+            K = view.K.astype(np.float32).transpose(1, 2, 0)[..., None]  # (2, 6, M, 1)
         look = keyframe.looks[k][seen]
-        K = (view.K / scale).astype(np.float32).transpose(1, 2, 0)[..., None]  # (2, 6, M, 1)
-        slope = keyframe.gradient[k][:, seen]
+        slope = keyframe.gradient[k][:, seen] * np.float32(1.0 / scale)
         descent = (slope[0] * K[0] + slope[1] * K[1]).reshape(6, M * P)
-        d, before = np.zeros(6), difference(X_CO, X)
-        for _ in range(iterations):
+        d_start, delta_px = d, np.array([np.inf])
+        for turn in range(iterations + 1):
             now, _ = _normalised(_sample(levels[k], scale, view.pixel + view.J @ d, view.spread), levels[k].noise)
             error = look - now
             misfit = (error * error).sum(1)  # 2 (1 - correlation)
             typical = float(np.partition(misfit, M // 2)[M // 2]) + 0.02  # the median
-            weight = 1.0 / (1.0 + (misfit / (2.0 * typical)) ** 2)
+            if turn == iterations or np.abs(delta_px).max() < 0.05 * scale:
+                break
+            weight = 1.0 / (1.0 + (misfit * np.float32(0.5 / typical)) ** 2)
             noise = typical / P * 4.0  # samples are not independent
-            weighted = descent * np.repeat(weight, P)
+            weighted = (descent.reshape(6, M, P) * weight[:, None]).reshape(6, M * P)
             H = (weighted @ descent.T).astype(float) / noise
             pull = (weighted @ error.ravel()).astype(float) / noise - prior @ (before + d)
-            delta = np.linalg.solve(H + prior + 1e-9 * np.trace(H) * np.eye(6), pull)
+            delta = solve(H + prior, pull)
+            delta_px = view.J @ delta
             d = d + delta
-            if np.abs(view.J @ delta).max() < 0.03 * scale:
-                break
-        X_new = move(X, d)
-        now, _ = _normalised(_sample(levels[k], scale, view.pixel + view.J @ d, view.spread), levels[k].noise)
-        alive = np.abs(look).max(1) > 0
-        correlation = (now * look).sum(1)[alive]
-        median = float(np.median(correlation)) if len(correlation) else 0.0
+        alive = look.any(1)
+        correlation = 1.0 - 0.5 * misfit[alive]
+        median = 1.0 - 0.5 * (typical - 0.02)
         agreement = float((correlation > 0.7).mean()) if len(correlation) else 0.0
         if kept is not None and median < 0.5 and kept.correlation > median:
+            d = d_start
             break  # blurred: the finer level has nothing to add
-        X = X_new
+        X = move(view.X_CO, d)
         kept = TextureFit(X, H, agreement, median, len(correlation))
     return kept if kept is not None else TextureFit(X_CO, np.zeros((6, 6)), 0.0, 0.0, 0)
 

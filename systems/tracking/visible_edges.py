@@ -52,43 +52,79 @@ def visible_nodes(
     """
     a_O, b_O, inside, starts, counts, owner, circle, line = _segments(model, X_CO)
     R, t = X_CO[:3, :3], X_CO[:3, 3]
-    low, high = _clip(a_O @ R.T + t, b_O @ R.T + t, lens, border)
-    keep = high > low
-    a_O, b_O, inside, starts, counts, owner, circle, line, low, high = (
-        part[keep] for part in (a_O, b_O, inside, starts, counts, owner, circle, line, low, high)
-    )
-    along = b_O - a_O
-    a_O, b_O = a_O + low[:, None] * along, a_O + high[:, None] * along
-    a_C, b_C = a_O @ R.T + t, b_O @ R.T + t
-    a_px, b_px = lens.project(a_C), lens.project(b_C)
-    length = np.linalg.norm(b_px - a_px, axis=1)
-    total = np.concatenate([[0.0], np.cumsum(length)])
+    ends = np.concatenate([a_O, b_O]) @ R.T + t
+    S = len(a_O)
+    low, high = np.zeros(S), np.ones(S)
+    if S and ends[:, 2].min() > NEAR:
+        pixel = lens.project(ends)
+        whole = pixel.min() >= border and (pixel.max(0) <= (lens.width - 1 - border, lens.height - 1 - border)).all()
+    else:
+        whole = S == 0
+        pixel = np.zeros((0, 2))
+    if not whole:
+        low, high = _clip(ends[:S], ends[S:], lens, border)
+        keep = high > low
+        a_O, b_O, inside, starts, counts, owner, circle, line, low, high = (
+            part[keep] for part in (a_O, b_O, inside, starts, counts, owner, circle, line, low, high)
+        )
+        along = b_O - a_O
+        a_O, b_O = a_O + low[:, None] * along, a_O + high[:, None] * along
+        S = len(a_O)
+        ends = np.concatenate([a_O, b_O]) @ R.T + t
+        pixel = lens.project(ends)
+    if not S:
+        return _no_nodes(spacing)
+    depth = ends[:, 2]
+    difference = pixel[S:] - pixel[:S]
+    length = np.sqrt((difference * difference).sum(1))
+    total = np.cumsum(length)
     spacing = max(total[-1] / max(count, 1), spacing)
     place = (np.arange(int(total[-1] / spacing)) + 0.5) * spacing
-    edge = np.searchsorted(total, place, side="right") - 1
-    edge = np.minimum(edge, max(len(length) - 1, 0))
+    edge = np.minimum(np.searchsorted(total, place, side="right"), S - 1)
+    length_n = length[edge]
+    rounded = circle[:, 6] > 0
     # Corners spoil the profiles of their neighbours: stay a little away from the ends of long edges.
-    margin = np.where((length > 16.0) & (circle[:, 6] == 0.0), 3.0, 0.0)
-    image_s = np.clip((place - total[edge]), margin[edge], (length - margin)[edge]) / np.maximum(length[edge], 1e-9)
-    za, zb = a_C[edge, 2], b_C[edge, 2]
-    s = image_s * za / (image_s * za + (1.0 - image_s) * zb)  # the same point along the edge in space
+    margin = np.where((length > 16.0) & ~rounded, 3.0, 0.0)[edge]
+    image_s = np.minimum(np.maximum(place - (total - length)[edge], margin), length_n - margin) / np.maximum(
+        length_n, 1e-9
+    )
+    near, far = image_s * depth[:S][edge], (1.0 - image_s) * depth[S:][edge]
+    s = near / np.maximum(near + far, 1e-12)  # the same point along the edge in space
     p_O = a_O[edge] + s[:, None] * (b_O - a_O)[edge]
-    round_node = circle[edge, 6] > 0
-    if round_node.any():  # from the chord to the arc
+    if rounded.any():  # from the chord to the arc
         centre, radius = circle[edge, :3], circle[edge, 6:]
         spoke = p_O - centre
         arc = centre + radius * spoke / np.maximum(np.linalg.norm(spoke, axis=1, keepdims=True), 1e-12)
-        p_O = np.where(round_node[:, None], arc, p_O)
+        p_O = np.where(rounded[edge, None], arc, p_O)
     p_C = p_O @ R.T + t
     pixel = lens.project(p_C)
-    tangent = (b_px - a_px)[edge] / np.maximum(length[edge, None], 1e-9)
-    normal = np.stack([-tangent[:, 1], tangent[:, 0]], 1)
+    across = np.empty_like(difference)
+    across[:, 0], across[:, 1] = -difference[:, 1], difference[:, 0]
+    normal = (across / np.maximum(length, 1e-9)[:, None])[edge]
     along_edge = low[edge] + s * (high - low)[edge]
-    bins = starts[edge] + np.minimum((along_edge * counts[edge]).astype(int), counts[edge] - 1)
+    counts_n = counts[edge]
+    bins = starts[edge] + np.minimum((along_edge * counts_n).astype(int), counts_n - 1)
     nodes = Nodes(p_O, pixel, normal, p_C[:, 2], inside[edge], bins, line[edge], float(spacing))
-    shown = ~_hidden_nodes(model, X_CO, lens, nodes, owner[edge], occluders_C)
-    shown &= (pixel >= border).all(1) & (pixel <= (lens.width - 1 - border, lens.height - 1 - border)).all(1)
-    return nodes if shown.all() else nodes.take(shown)
+    shown = None
+    if (occluders_C is not None and len(occluders_C)) or (len(model.surface) and not model.convex):
+        shown = ~_hidden_nodes(model, X_CO, lens, nodes, owner[edge], occluders_C)
+    if not whole or rounded.any():
+        inside_image = (pixel >= border).all(1) & (pixel <= (lens.width - 1 - border, lens.height - 1 - border)).all(1)
+        shown = inside_image if shown is None else shown & inside_image
+    return nodes if shown is None or shown.all() else nodes.take(shown)
+
+
+def _no_nodes(spacing):
+    return Nodes(
+        np.zeros((0, 3)),
+        np.zeros((0, 2)),
+        np.zeros((0, 2)),
+        np.zeros(0),
+        np.zeros((0, 2), bool),
+        np.zeros(0, int),
+        np.zeros(0, int),
+        float(spacing),
+    )
 
 
 def _segments(model, X_CO):
@@ -97,37 +133,39 @@ def _segments(model, X_CO):
     owner: the cylinder that a limb or rim belongs to, -1 otherwise; circle: centre, normal, radius of an arc, radius 0 for straight ones.
     """
     eye = -X_CO[:3, :3].T @ X_CO[:3, 3]  # the camera's centre in O
-    a, b = model.vertices[model.edges[:, 0]], model.vertices[model.edges[:, 1]]
-    facing = np.einsum("esd,ed->es", model.edge_normals, eye - a) > 0
-    wire = model.edge_kind == WIRE
-    open_sided = np.full_like(facing, not model.closed)
-    seen = np.where(model.edge_kind == SMOOTH, facing[:, 0] != facing[:, 1], (facing | open_sided).any(1) | wire)
-    # Which side of the image edge an inward vector points to: left of a -> b, seen from the eye.
-    left = np.einsum("ed,ed->e", np.cross(b - a, model.edge_inward[:, 0]), eye - a) > 0
-    right = np.einsum("ed,ed->e", np.cross(b - a, model.edge_inward[:, 1]), eye - a) > 0
-    on = (facing | open_sided) & ~wire[:, None]
-    # The image's y points down: what is left of an edge in a right-handed view is on the side of -normal.
-    plus = (on[:, 0] & ~left) | (on[:, 1] & ~right)
-    minus = (on[:, 0] & left) | (on[:, 1] & right)
     start, number = model.bin_start[:-1], np.diff(model.bin_start)
-    E = len(a)
-    parts = [
-        (
-            a[seen],
-            b[seen],
-            np.stack([plus, minus], 1)[seen],
-            start[:E][seen],
-            number[:E][seen],
-            np.full(seen.sum(), -1),
-            np.zeros((seen.sum(), 7)),
-            np.flatnonzero(seen),
-        )
-    ]
-    C = len(model.cylinders)
+    E, C = len(model.edges), len(model.cylinders)
+    planes, offsets = model.edge_planes
+    first, second, left, right = (planes @ eye > offsets).reshape(4, E)
+    wire = model.edge_kind == WIRE
+    contour = (model.edge_kind == SMOOTH) & (first != second)
+    if not model.closed:  # both sides of a face can be seen
+        first = second = np.ones(E, bool)
+    seen = np.flatnonzero(contour | ((first | second | wire) & (model.edge_kind != SMOOTH)))
+    on_first, on_second, left, right = (first & ~wire)[seen], (second & ~wire)[seen], left[seen], right[seen]
+    inside = np.empty((len(seen), 2), bool)
+    # The image's y points down: what is left of an edge in a right-handed view is on the side of -normal.
+    inside[:, 0] = (on_first & ~left) | (on_second & ~right)
+    inside[:, 1] = (on_first & left) | (on_second & right)
+    ends = model.vertices[model.edges[seen]]
+    straight = (
+        ends[:, 0],
+        ends[:, 1],
+        inside,
+        start[seen],
+        number[seen],
+        np.full(len(seen), -1),
+        np.zeros((len(seen), 7)),
+        seen,
+    )
+    if not C and not len(model.circles):
+        return straight
+    parts = [straight]
     for i, (p, q, r) in enumerate((c[:3], c[3:6], c[6]) for c in model.cylinders):
         parts.append(_limbs(p, q, r, eye, start[E + 2 * i], i, E + 2 * i))
-        parts.append(_rim(p, p - q, r, eye, start[E + 2 * C + 2 * i], i, q - p, E + 2 * C + 2 * i))
-        parts.append(_rim(q, q - p, r, eye, start[E + 2 * C + 2 * i + 1], i, p - q, E + 2 * C + 2 * i + 1))
+        rim = E + 2 * C + 2 * i
+        parts.append(_rim(p, p - q, r, eye, start[rim], i, q - p, rim))
+        parts.append(_rim(q, q - p, r, eye, start[rim + 1], i, p - q, rim + 1))
     for i, (p, n, r) in enumerate((c[:3], c[3:6], c[6]) for c in model.circles):
         parts.append(_rim(p, n, r, eye, start[E + 4 * C + i], -1, None, E + 4 * C + i))
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
