@@ -30,7 +30,7 @@ def shaken(bench: Workbench, name: str, seed: int, speed: float = SPEED, frames:
 
 
 def run(bench: Workbench) -> Iterator[Table]:
-    seeds, length = (range(3), 50) if bench.quick else (range(20), 100)
+    seeds, length = (range(2), 50) if bench.quick else (range(20), 100)
     table = Table(
         f"Hand-held: corners up to {SPEED:g} px a frame, exposure 20 ms, clutter, fingers before the object, {length} frames",
         ("seed", "object", "followed", "corner px median / 90 % / max", "deg median / 90 % / max", "uncertain", "lost"),

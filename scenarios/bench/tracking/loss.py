@@ -66,7 +66,7 @@ def forced_loss(bench: Workbench, kind: str, seed: int):
 
 
 def run(bench: Workbench) -> Iterator[Table]:
-    count = 5 if bench.quick else 50
+    count = 3 if bench.quick else 50
     table = Table(
         f"Forced losses: frames until the tracker no longer says `tracking`, {count} of each",
         (
@@ -105,7 +105,7 @@ def run(bench: Workbench) -> Iterator[Table]:
         )
     yield table
     if bench.good_frames[0] < 300:
-        for seed in range(2 if bench.quick else 6):
+        for seed in range(1 if bench.quick else 6):
             bench.progress(f"loss: good frames, seed {seed}")
             bench.track(BOXES[seed % 2], shaken(bench, BOXES[seed % 2], 300 + seed, 10.0, 100))
     total, uncertain, lost = bench.good_frames
