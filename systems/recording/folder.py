@@ -260,8 +260,9 @@ def _take(path: Path) -> int:
         others = [p for p in path.iterdir() if p.name != "previous" and not p.name.startswith(".")]
         if others and not (path / "summary.json").is_file():
             raise InputError(f"{path}: holds files but no earlier run (summary.json); give an empty or a new folder")
-        write_whole(path / ".writable", "")  # before anything is moved
-        (path / ".writable").unlink()
+        probe = path / ".writable"
+        probe.touch()  # before anything is moved
+        probe.unlink()
         _keep_previous(path)
     except OSError as error:
         os.close(lock)

@@ -133,7 +133,7 @@ def _events(events: Sequence[Event], duration: float) -> str:
         said = [event for event in events if event.source == source]
         ends = [event.time for event in said[1:]] + [duration]
         spans = [
-            f'<span class="{event.level}" style="left:{_percent(event.time, duration)};'
+            f'<span class="{event.level}" style="left:min({_percent(event.time, duration)}, 100% - 4px);'
             f'width:{_percent(end - event.time, duration)}" title="{event.time:.2f} s: {escape(event.text)}">'
             f"{escape(event.text)}</span>"
             for event, end in zip(said, ends, strict=True)

@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import av
@@ -22,6 +23,8 @@ from recording_ticks import PLOTS, fill, folder, tick
 
 from vipr.systems.errors import InputError
 from vipr.systems.recording.channels import ImageChannel, PoseChannel, VectorChannel
+from vipr.systems.recording.folder import WAITING
+from vipr.systems.recording.log import RunLog
 from vipr.systems.recording.summary import without_time
 
 TICKS = 20
@@ -149,9 +152,9 @@ def test_changes_of_state_and_said_things_are_events(finished):
         (0.2, "phase", "hold"),
         (0.5, "scenario", "object starts to move"),
     ]
-    for (time, data), (t, name, text) in zip(events, said, strict=True):
-        assert time == round(t * 1e9)
-        assert data == Log(timestamp=Timestamp(0, time), level=LogLevel.Info, message=text, name=name).encode()
+    for (at, data), (t, name, text) in zip(events, said, strict=True):
+        assert at == round(t * 1e9)
+        assert data == Log(timestamp=Timestamp(0, at), level=LogLevel.Info, message=text, name=name).encode()
 
 
 def test_the_video_has_a_frame_a_tick_and_repeats_the_last_for_a_dropped_one(tmp_path):
@@ -277,7 +280,7 @@ def test_a_place_that_cannot_hold_a_folder_is_one_line(tmp_path, place):
 def test_a_folder_without_permission_is_one_line_and_stays_as_it_is(tmp_path):
     (tmp_path / "summary.json").write_text("{}")
     tmp_path.chmod(0o500)
-    with pytest.raises(InputError, match="cannot be written"), folder(tmp_path):
+    with pytest.raises(InputError, match=rf"{tmp_path.name}: cannot be written \(Perm"), folder(tmp_path):
         pass
     assert [p.name for p in tmp_path.iterdir()] == ["summary.json"]
 
@@ -312,6 +315,14 @@ def test_what_goes_wrong_in_the_thread_comes_out_at_the_next_tick(tmp_path):
         image = np.zeros((48, 32, 3), np.uint8)
         for _ in range(10_000):
             run.record(0.04, tick(1) | {"camera": type(tick(1)["camera"])(image=image, number=1)})
+
+
+def test_no_tick_is_dropped_when_writing_is_slower_than_the_run(tmp_path, monkeypatch):
+    write = RunLog.write
+    monkeypatch.setattr(RunLog, "write", lambda *arguments: (time.sleep(0.002), write(*arguments)))
+    with folder(tmp_path, video=False) as run:
+        fill(run, 3 * WAITING)
+    assert len(messages(tmp_path / "log.mcap")["/q"]) == 3 * WAITING
 
 
 def test_after_the_end_nothing_can_be_recorded(tmp_path):
