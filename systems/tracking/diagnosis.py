@@ -26,6 +26,7 @@ class Evidence:
     patches: int = 0  # compared
     sigma: float = float("nan")  # px, robust RMS residual
     trust: float = 1.0  # 0 to 1, how sure the keyframe's own pose was
+    given: float = 0.0  # 0 to 1, how well a pose given from outside agrees
     quality: float = 0.0  # 0 to 1, how closely and how strongly the nodes' edges fit: compares attempts at one image
 
     @property
@@ -38,7 +39,8 @@ class Evidence:
         if self.patches >= 8:
             by_texture = self.trust * _logistic(-5.0 + 12.0 * self.texture)
             z -= 4.0 * max(0.5 - self.texture, 0.0)
-        return 1.0 - (1.0 - _logistic(z)) * (1.0 - by_texture)
+        by_hand = 0.9 * self.given * _logistic(-3.0 + 12.0 * self.edges)
+        return 1.0 - (1.0 - _logistic(z)) * (1.0 - by_texture) * (1.0 - by_hand)
 
 
 def _logistic(z: float) -> float:
@@ -61,5 +63,5 @@ def weigh(matches: Matches, fit: Fit, texture: TextureFit | None = None, keyfram
     quality = float((close * (0.5 + 0.5 * share)).mean())
     seen = (texture.agreement, texture.patches) if texture is not None else (0.0, 0)
     return Evidence(
-        edges, int(supported.sum()), *seen, fit.sigma, keyframe.trust if keyframe is not None else 1.0, quality
+        edges, int(supported.sum()), *seen, fit.sigma, keyframe.trust if keyframe is not None else 1.0, quality=quality
     )

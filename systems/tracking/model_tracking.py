@@ -28,7 +28,7 @@ class TrackerSettings:
     spacing: float = 3.0  # px, smallest interval of nodes
     reach: float = 14.0  # px, search along the normal where nothing else has found the object yet
     fine_reach: float = 5.0  # px, in the last passes
-    contrast: float = 4.0  # grey levels, weakest edge that is looked at
+    contrast: float = 3.0  # grey levels, weakest edge that is looked at
     hypotheses: int = 4  # edges kept for each node
     prediction: bool = True  # constant-velocity filter; else the last pose is the start
     affine: bool = True  # affine motion of the nodes before the pose (eq. 26 to 34)

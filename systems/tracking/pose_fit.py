@@ -120,7 +120,7 @@ def fit_pose(
     N = len(J)
     prior_information = prior.information if prior is not None else np.zeros((6, 6))
     prior_pull = prior_information @ prior.mean if prior is not None else np.zeros(6)
-    d = prior.mean.copy() if prior is not None else np.zeros(6)
+    d = np.zeros(6)
     present = preference > 0
     if N == 0 or not present.any():
         return Fit(d, prior_information, np.full(N, np.nan), np.zeros(N, int), np.zeros(N), float("nan"))

@@ -1,6 +1,6 @@
 """One attempt at finding the object in an image from a start pose: texture or normal flow, gradients, and the edges at the end."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,9 @@ from vipr.systems.tracking.pose_fit import (
 from vipr.systems.tracking.texture import Keyframe, align, pyramid
 from vipr.systems.tracking.visible_edges import visible_nodes
 
+CLEAR = 12.0  # grey levels; much stronger edges are all alike
 _DIRECTIONS = np.random.default_rng(0).normal(size=(14, 6)) / np.sqrt(3.0)  # starts off the axes, the same in every run
+GIVEN_IS_GOOD = 0.6  # score at which a pose given from outside is believed at once
 AGREES = 0.4  # share of texture patches that must look right for the alignment to be followed
 
 
@@ -98,18 +100,40 @@ def attempt(
 
 
 def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Attempt:
-    """The first frame after a pose was given from outside, whose error may be tens of pixels: many starts about it.
+    """The first frame after a pose was given from outside.
 
-    The pose given counts as a measurement of its own, the less the further the image is from it.
+    If the edges are where the pose says, it is taken. Otherwise its error may be tens of pixels: many starts about it, and the best by a
+    margin. The pose given counts as a measurement of its own, the less the further the image is from it.
     """
+    sight.open([X_CO_given], margin=3.0 * sight.settings.reach)
+    best = attempt(sight, X_CO_given, None, 0, covariance, near=True)
+    off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
+    believed = best.evidence.score > GIVEN_IS_GOOD and (agreement > 0.5 or best.evidence.edges > 0.8)
+    if not believed and sight.settings.second_try:
+        far = _acquire_far(sight, X_CO_given, covariance)
+        if far.evidence.quality > best.evidence.quality + 0.15 * agreement:
+            best = far
+            off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
+    X, fit, matches = edge_pass(sight, best.X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, agreement * aim))
+    evidence = replace(weigh(matches, fit), given=agreement)
+    return Attempt(X, np.linalg.inv(fit.information + 1e-3 * np.linalg.inv(covariance)), evidence)
+
+
+def _agreement(sight, X_CO, X_CO_given):
+    """Displacement to the pose given, its information, and how well they agree: 1 to 0, Geman-McClure, half at some 3 px."""
+    aim = corner_information(sight.model, X_CO, sight.lens, sight.settings.initial_px)
+    off = difference(X_CO, X_CO_given)
+    return off, aim, 1.0 / (1.0 + float(off @ aim @ off) / 150.0) ** 2
+
+
+def _acquire_far(sight, X_CO_given, covariance):
+    """The best attempt from starts spread over tens of pixels."""
     reach = sight.settings.reach
-    sight.open([X_CO_given], margin=3.0 * reach)
-    best = attempt(sight, X_CO_given, None, 0, covariance, far=True)
-    rounds = ((0.9 * reach, X_CO_given), (0.45 * reach, None)) if sight.settings.second_try else ()
-    for shift, centre in rounds:
-        if best.evidence.quality > 0.9:
+    far = attempt(sight, X_CO_given, None, 0, covariance, far=True)
+    for shift, centre in ((0.9 * reach, X_CO_given), (0.45 * reach, None)):
+        if far.evidence.quality > 0.9:
             break
-        X = best.X_CO if centre is None else centre
+        X = far.X_CO if centre is None else centre
         nodes = visible_nodes(sight.model, X, sight.lens, 60, sight.settings.spacing, sight.occluders_C)
         if len(nodes) < 6:
             break
@@ -117,13 +141,9 @@ def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Att
         for d in np.concatenate([np.diag(steps), -np.diag(steps), steps * _DIRECTIONS]):
             X_try, _, _ = edge_pass(sight, move(X, d), reach, (0.6 * reach, 0.4 * reach, 4.0, 3.0, 2.0))
             other = attempt(sight, X_try, None, 0, covariance, near=True)
-            if other.evidence.quality > best.evidence.quality:
-                best = other
-    aim = corner_information(sight.model, best.X_CO, sight.lens, sight.settings.initial_px)
-    off = difference(best.X_CO, X_CO_given)
-    trust = 1.0 / (1.0 + float(off @ aim @ off) / 150.0) ** 2  # Geman-McClure: a bad one is let go
-    X, fit, matches = edge_pass(sight, best.X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, trust * aim))
-    return Attempt(X, np.linalg.inv(fit.information + 1e-3 * np.linalg.inv(covariance)), weigh(matches, fit))
+            if other.evidence.quality > far.evidence.quality:
+                far = other
+    return far
 
 
 def _about(X_CO, X_aim, information):
@@ -150,9 +170,10 @@ def edge_pass(
 
 
 def preferences(matches):
-    """(N, K) 0 to 1: the strongest edge of a node counts fully, others by their share of its strength."""
+    """(N, K) 0 to 1: the strongest edge of a node counts fully, others by how clear they are beside it."""
     strength = np.abs(matches.strength)
-    return strength / np.maximum(strength.max(1, keepdims=True, initial=0.0), 1e-9)
+    certain = strength / (strength + CLEAR)
+    return certain / np.maximum(certain.max(1, keepdims=True, initial=0.0), 1e-9)
 
 
 def _look(sight, nodes, reach):
