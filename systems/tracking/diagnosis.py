@@ -22,7 +22,7 @@ class Evidence:
 
     edges: float = 0.0  # -1 to 1, share of supported nodes beyond chance; 1 is perfect, 0 is chance
     nodes: int = 0  # supported
-    texture: float = 0.0  # 0 to 1, share of patches that look right
+    texture: float = 0.0  # significance of the patches that look right, standard deviations
     patches: int = 0  # compared
     sigma: float = float("nan")  # px, robust RMS residual
     trust: float = 1.0  # 0 to 1, how sure the keyframe's own pose was
@@ -30,15 +30,20 @@ class Evidence:
     quality: float = 0.0  # 0 to 1, how closely and how strongly the nodes' edges fit: compares attempts at one image
 
     @property
+    def by_edges(self) -> float:
+        """0 to 1, probability that the pose is right by the edges alone."""
+        return _logistic(-3.6 + 9.0 * self.edges) if self.nodes >= 8 else 0.0
+
+    @property
     def score(self) -> float:
-        """0 to 1, the probability that the pose is right, as calibrated on forced losses."""
+        """0 to 1, the probability that the pose is right."""
         if self.nodes < 8:
             return 0.0
-        by_texture = 0.0
-        z = -3.6 + 9.0 * self.edges
+        z, by_texture = -3.6 + 9.0 * self.edges, 0.0
         if self.patches >= 8:
-            by_texture = self.trust * _logistic(-5.0 + 12.0 * self.texture)
-            z -= 4.0 * max(0.5 - self.texture, 0.0)
+            # Patches that agree while the edges do not: they may have been learnt at a wrong pose.
+            by_texture = self.trust * _logistic(1.2 * (self.texture - 4.5)) * min(max(0.4 + 2.0 * self.edges, 0.3), 1.0)
+            z -= 3.0 * (self.texture < 2.0)  # nothing looks as it should
         by_hand = 0.9 * self.given * _logistic(-3.0 + 12.0 * self.edges)
         return 1.0 - (1.0 - _logistic(z)) * (1.0 - by_texture) * (1.0 - by_hand)
 
@@ -47,8 +52,14 @@ def _logistic(z: float) -> float:
     return float(1.0 / (1.0 + np.exp(-z)))
 
 
-def weigh(matches: Matches, fit: Fit, texture: TextureFit | None = None, keyframe: Keyframe | None = None) -> Evidence:
-    """Evidence for a pose from its last edge pass and texture alignment."""
+def weigh(
+    matches: Matches,
+    fit: Fit,
+    texture: TextureFit | None = None,
+    keyframe: Keyframe | None = None,
+    shown: np.ndarray | float = 1.0,
+) -> Evidence:
+    """Evidence for a pose from its last edge pass and texture alignment; shown (N,): how far each node is thought to be uncovered."""
     N = len(matches.offset)
     if not N:
         return Evidence()
@@ -56,12 +67,13 @@ def weigh(matches: Matches, fit: Fit, texture: TextureFit | None = None, keyfram
     supported = np.abs(fit.residual) < NEAR  # nan: not supported
     density = present.sum(1) * min(2.0 * NEAR / (2.0 * matches.reach + 1.0), 1.0)
     chance = float((1.0 - np.exp(-density)).mean())
-    edges = (float(supported.mean()) - chance) / (1.0 - chance)
+    share = float((shown * supported).sum() / (shown * np.ones(N)).sum())
+    edges = (share - chance) / (1.0 - chance)
     strength = np.abs(matches.strength)
-    share = strength[np.arange(N), fit.chosen] / np.maximum(strength.max(1), 1e-9)
+    clear = strength[np.arange(N), fit.chosen] / np.maximum(strength.max(1), 1e-9)
     close = np.exp(-0.5 * np.nan_to_num(fit.residual, nan=9.0) ** 2)
-    quality = float((close * (0.5 + 0.5 * share)).mean())
-    seen = (texture.agreement, texture.patches) if texture is not None else (0.0, 0)
+    quality = float((close * (0.5 + 0.5 * clear)).mean())
+    seen = (texture.significance, texture.patches) if texture is not None else (0.0, 0)
     return Evidence(
         edges, int(supported.sum()), *seen, fit.sigma, keyframe.trust if keyframe is not None else 1.0, quality=quality
     )

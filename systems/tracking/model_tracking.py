@@ -13,7 +13,7 @@ from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import CadModel
-from vipr.systems.tracking.diagnosis import LOST, TRACKING
+from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict
 from vipr.systems.tracking.pose_fit import corner_shift, move, point_jacobian
 from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt
@@ -172,7 +172,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
     if score > 0.8 and sight.settings.texture:
-        keyframes = _learn(keyframes, motion, sight, score)
+        keyframes = _learn(keyframes, motion, sight, best.evidence)
     return Belief(
         motion,
         state,
@@ -189,14 +189,16 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     )
 
 
-def _learn(keyframes, motion, sight, score):
-    """Keyframes with one more where the object is seen from a new side."""
-    nearest = choose_keyframe(keyframes, motion.X_CO, limit=0.2)
-    if nearest is not None:
+def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, evidence: Evidence) -> tuple[Keyframe, ...]:
+    """Keyframes with one more where the object is seen from a new side, sharply, and its edges confirm the pose."""
+    if choose_keyframe(keyframes, motion.X_CO, limit=0.2) is not None:
         return keyframes
-    speed = corner_shift(sight.model, sight.lens, motion.X_CO, move(motion.X_CO, motion.V_CO * sight.dt))
-    if speed > 5.0 and choose_keyframe(keyframes, motion.X_CO, limit=0.4) is not None:
-        return keyframes  # blurred: wait while an older one still serves
+    if keyframes:
+        speed = corner_shift(sight.model, sight.lens, motion.X_CO, move(motion.X_CO, motion.V_CO * sight.dt))
+        served = choose_keyframe(keyframes, motion.X_CO, limit=0.45) is not None
+        sound = evidence.edges > 0.6 and evidence.sigma < 1.0 and speed < 5.0
+        if not sound and (served or evidence.edges < 0.4):
+            return keyframes  # wait while an older one still serves
     new = learn_keyframe(
         sight.pyramid,
         sight.model,
@@ -205,7 +207,7 @@ def _learn(keyframes, motion, sight, score):
         sight.lens,
         sight.settings.patches,
         sight.occluders_C,
-        score,
+        evidence.by_edges if keyframes else evidence.score,
     )
     return keyframes if new is None else (*keyframes[-11:], new)
 

@@ -106,6 +106,7 @@ def fit_pose(
     noise_floor: float = 0.2,
     model_error: float = 0.1,
     doubt: float = 1.0,
+    node_weight: np.ndarray | float = 1.0,
 ) -> Fit:
     """Displacement that brings the nodes to their edges.
 
@@ -115,7 +116,8 @@ def fit_pose(
 
     edge (N,): which edge each node is on. What the nodes of one edge have in common (a model that is a little wrong, a shadow
     beside the edge) does not average out over them: the residuals' spread between edges, at least model_error [px], is counted once
-    an edge, in the weights and in the information; `doubt` multiplies its variance.
+    an edge, in the weights and in the information; `doubt` multiplies its variance. node_weight (N,):
+    0 to 1, confidence in a node from elsewhere.
     """
     N = len(J)
     prior_information = prior.information if prior is not None else np.zeros((6, 6))
@@ -133,7 +135,7 @@ def fit_pose(
         share = preference * np.exp((-0.5 / width**2) * (r * r))
         total = share.sum(1)
         # A node with nothing near its prediction says nothing.
-        w = total / ((total + 0.1) * max(width, noise_floor) ** 2)
+        w = node_weight * total / ((total + 0.1) * max(width, noise_floor) ** 2)
         target = (share * offset).sum(1) / (total + 1e-12)
         WJ = Jt * w
         d = solve(WJ @ J + base, WJ @ target + prior_pull)
@@ -149,7 +151,8 @@ def fit_pose(
         near = magnitude[magnitude < 4.0 * widths[-1]]
         half = len(near) // 2
         sigma = max(1.4826 * float(np.partition(near, half)[half]), noise_floor) if len(near) else widths[-1]
-        w = tukey(residual, 4.685 * sigma)  # of what is absent: 0
+        sigma = min(sigma, widths[-1])
+        w = node_weight * tukey(residual, 4.685 * sigma)  # of what is absent: 0
         if edge is not None:
             held = np.bincount(edge, w)
             mean = np.bincount(edge, w * residual) / np.maximum(held, 1e-9)

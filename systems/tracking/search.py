@@ -20,13 +20,14 @@ from vipr.systems.tracking.pose_fit import (
     move,
     normal_jacobian,
 )
-from vipr.systems.tracking.texture import Keyframe, align, pyramid
+from vipr.systems.tracking.texture import Keyframe, TextureFit, align, pyramid
 from vipr.systems.tracking.visible_edges import visible_nodes
 
 CLEAR = 12.0  # grey levels; much stronger edges are all alike
 _DIRECTIONS = np.random.default_rng(0).normal(size=(14, 6)) / np.sqrt(3.0)  # starts off the axes, the same in every run
 GIVEN_IS_GOOD = 0.6  # score at which a pose given from outside is believed at once
-AGREES = 0.4  # share of texture patches that must look right for the alignment to be followed
+NEARBY = 12.0  # px
+FOLLOWED = 4.0  # significance from which a texture alignment is followed
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,11 +78,8 @@ def attempt(
     texture, prior = None, None
     information = np.linalg.inv(covariance + 1e-12 * np.eye(6))
     if keyframe is not None and sight.settings.texture:
-        levels = tuple(range(depth, -1, -1))
-        texture = align(
-            keyframe, sight.pyramid, sight.model, X_CO, sight.lens, levels, 4, information, sight.occluders_C
-        )
-        if texture.agreement >= AGREES and texture.patches >= 8:
+        texture = _align(sight, X_CO, keyframe, depth, information)
+        if texture.significance > FOLLOWED:
             X_CO = texture.X_CO
             own = np.linalg.inv(texture.information + 1e-6 * np.diag(texture.information.diagonal() + 1e-9))
             prior = np.linalg.inv(own + keyframe.covariance)
@@ -91,12 +89,14 @@ def attempt(
     X_aim, doubt = X_CO, 1.0 if prior is None else 4.0
     for _ in range(3):
         X_before = X_CO
-        X_CO, fit, matches = edge_pass(
-            sight, X_CO, sight.settings.fine_reach, (2.0, 1.3), _about(X_CO, X_aim, prior), doubt
+        X_CO, fit, matches, shown = edge_pass(
+            sight, X_CO, sight.settings.fine_reach, (2.0, 1.3), _about(X_CO, X_aim, prior), doubt, texture
         )
         if corner_shift(sight.model, sight.lens, X_before, X_CO) < 0.7:
             break  # the profiles were sampled where they should be
-    return Attempt(X_CO, np.linalg.inv(fit.information + 1e-3 * information), weigh(matches, fit, texture, keyframe))
+    return Attempt(
+        X_CO, np.linalg.inv(fit.information + 1e-3 * information), weigh(matches, fit, texture, keyframe, shown)
+    )
 
 
 def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Attempt:
@@ -114,7 +114,7 @@ def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Att
         if far.evidence.quality > best.evidence.quality + 0.15 * agreement:
             best = far
             off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
-    X, fit, matches = edge_pass(sight, best.X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, agreement * aim))
+    X, fit, matches, _ = edge_pass(sight, best.X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, agreement * aim))
     evidence = replace(weigh(matches, fit), given=agreement)
     return Attempt(X, np.linalg.inv(fit.information + 1e-3 * np.linalg.inv(covariance)), evidence)
 
@@ -139,11 +139,24 @@ def _acquire_far(sight, X_CO_given, covariance):
             break
         steps = search_steps(nodes, X, sight.lens, None, 0.0, shift)
         for d in np.concatenate([np.diag(steps), -np.diag(steps), steps * _DIRECTIONS]):
-            X_try, _, _ = edge_pass(sight, move(X, d), reach, (0.6 * reach, 0.4 * reach, 4.0, 3.0, 2.0))
+            X_try, *_ = edge_pass(sight, move(X, d), reach, (0.6 * reach, 0.4 * reach, 4.0, 3.0, 2.0))
             other = attempt(sight, X_try, None, 0, covariance, near=True)
             if other.evidence.quality > far.evidence.quality:
                 far = other
     return far
+
+
+def _align(sight, X_CO, keyframe, depth, information):
+    """Texture alignment: from the level below the coarsest, where less of the surroundings is mixed in, then, if it helps, from it."""
+    best = None
+    for start in (1, depth) if depth > 1 else (depth,):
+        levels = tuple(range(start, -1, -1))
+        fit = align(keyframe, sight.pyramid, sight.model, X_CO, sight.lens, levels, 4, information, sight.occluders_C)
+        if best is None or fit.agreement * fit.patches > best.agreement * best.patches:
+            best = fit
+        if best.significance > FOLLOWED and (best.agreement > 0.7 or best.correlation > 0.9):
+            break  # found; what does not look right is covered
+    return best
 
 
 def _about(X_CO, X_aim, information):
@@ -157,16 +170,35 @@ def edge_pass(
     widths: tuple[float, ...],
     prior: Prior | None = None,
     doubt: float = 1.0,
+    texture: TextureFit | None = None,
 ):
-    """Nodes, edges within reach [px] and one robust fit: (pose, Fit, Matches)."""
+    """Nodes, edges within reach [px] and one robust fit: (pose, Fit, Matches, how far the texture shows each node uncovered)."""
     settings = sight.settings
     nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
     matches = _look(sight, nodes, reach)
     J = normal_jacobian(nodes, X_CO, sight.lens)
+    shown = _shown(nodes.pixel, texture)
     fit = fit_pose(
-        J, matches, preferences(matches), widths, prior, nodes.edge, model_error=settings.model_error, doubt=doubt
+        J,
+        matches,
+        preferences(matches),
+        widths,
+        prior,
+        nodes.edge,
+        model_error=settings.model_error,
+        doubt=doubt,
+        node_weight=shown,
     )
-    return move(X_CO, fit.d), fit, matches
+    return move(X_CO, fit.d), fit, matches, shown
+
+
+def _shown(pixel, texture):
+    """(N,) 0.1 to 1: how far the texture patches near each node say that nothing covers it; 1 where all look right or nothing is known."""
+    if texture is None or texture.significance <= FOLLOWED or texture.right.mean() > 0.85 or not len(pixel):
+        return 1.0
+    off = pixel[:, None, :] - texture.pixel[None]
+    near = np.exp((-0.5 / NEARBY**2) * (off * off).sum(2))
+    return np.maximum((near @ texture.right + 0.05 * texture.right.mean()) / (near.sum(1) + 0.05), 0.02)
 
 
 def preferences(matches):

@@ -8,7 +8,7 @@ are compared with their keyframe, never with the last frame, errors do not add u
 Frames: O object, C camera; displacements d as in ``pose_fit``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -22,6 +22,9 @@ from vipr.systems.tracking.visible_edges import hidden_behind, visible_nodes
 
 HALF = 3  # px; a patch is 7 x 7 samples at each level
 LEVELS = 4
+VISIBLE = 0.35  # share of the patches that is taken to be visible, at least
+CHANCE = 0.1  # share of patches that look right at a wrong pose, at most (textures repeat themselves)
+ALIKE = 0.7  # correlation of a patch that looks right
 GRID_Y, GRID_X = (g.reshape(-1).astype(np.float32) for g in np.mgrid[-HALF : HALF + 1, -HALF : HALF + 1])
 SAMPLES = len(GRID_X)
 
@@ -49,9 +52,17 @@ class TextureFit:
 
     X_CO: np.ndarray
     information: np.ndarray  # (6, 6) about that pose, of the alignment alone
-    agreement: float  # 0 to 1, share of the patches that look as they should (correlation above 0.7)
-    correlation: float  # median over the patches at the finest level used
+    agreement: float  # 0 to 1, share of the patches that look as they should (correlation above ALIKE)
+    correlation: float  # of the better third of the patches, at the finest level used
     patches: int  # compared
+    pixel: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))  # (M, 2) where they are
+    right: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))  # (M,) whether they look right
+
+    @property
+    def significance(self) -> float:
+        """Standard deviations by which the patches that look right are more than chance would give."""
+        expected = CHANCE * self.patches
+        return (self.agreement * self.patches - expected) / np.sqrt(expected * (1.0 - CHANCE) + 0.5)
 
 
 def pyramid(patch: Patch) -> list[Patch]:
@@ -287,11 +298,12 @@ def align(
         slope = keyframe.gradient[k][:, seen] * np.float32(1.0 / scale)
         descent = (slope[0] * K[0] + slope[1] * K[1]).reshape(6, M * P)
         d_start, delta_px = d, np.array([np.inf])
+        rank = int(VISIBLE * M)
         for turn in range(iterations + 1):
             now, _ = _normalised(_sample(levels[k], scale, view.pixel + view.J @ d, view.spread), levels[k].noise)
             error = look - now
             misfit = (error * error).sum(1)  # 2 (1 - correlation)
-            typical = float(np.partition(misfit, M // 2)[M // 2]) + 0.02  # the median
+            typical = float(np.partition(misfit, rank)[rank]) + 0.02
             if turn == iterations or np.abs(delta_px).max() < 0.05 * scale:
                 break
             weight = 1.0 / (1.0 + (misfit * np.float32(0.5 / typical)) ** 2)
@@ -304,13 +316,13 @@ def align(
             d = d + delta
         alive = look.any(1)
         correlation = 1.0 - 0.5 * misfit[alive]
-        median = 1.0 - 0.5 * (typical - 0.02)
-        agreement = float((correlation > 0.7).mean()) if len(correlation) else 0.0
-        if kept is not None and median < 0.5 and kept.correlation > median:
+        best = 1.0 - 0.5 * (typical - 0.02)
+        right = correlation > ALIKE
+        if kept is not None and best < 0.6 and kept.correlation > best:
             d = d_start
             break  # blurred: the finer level has nothing to add
         X = move(view.X_CO, d)
-        kept = TextureFit(X, H, agreement, median, len(correlation))
+        kept = TextureFit(X, H, float(right.mean()) if len(right) else 0.0, best, len(right), view.pixel[alive], right)
     return kept if kept is not None else TextureFit(X_CO, np.zeros((6, 6)), 0.0, 0.0, 0)
 
 
