@@ -16,7 +16,7 @@ def register(app: typer.Typer) -> None:
 
 def tracking(
     quick: Annotated[
-        bool, typer.Option("--quick", help="Fewer and shorter sequences: a minute or two, not half an hour.")
+        bool, typer.Option("--quick", help="Fewer and shorter sequences: minutes instead of an hour.")
     ] = False,
     only: Annotated[
         str,

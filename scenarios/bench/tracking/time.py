@@ -1,6 +1,7 @@
 """Time a frame takes: in all, by step, with the number of nodes and with the size of the image. One thread."""
 
 import inspect
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,6 +19,8 @@ from vipr.systems.tracking import model_tracking
 from vipr.systems.tracking.model_tracking import TrackerSettings
 
 REPEATS = 5
+STEPS = 14  # shown
+WHOLE = (model_tracking.start, model_tracking.step)
 
 
 def run(bench: Workbench) -> Iterator[Table]:
@@ -51,9 +54,10 @@ def _tables(bench):
         result = bench.track(name, frames[name] * 3, count=False)
     count, whole = len(result.ms), sum(result.ms)
     steps = Table("Time by step (with the clocks' own cost)", ("step", "calls a frame", "ms a frame", "share"))
-    for step, (calls, seconds) in sorted(spent.items(), key=lambda item: -item[1][1]):
+    shown = sorted(spent.items(), key=lambda item: -item[1][1])[:STEPS]
+    for step, (calls, seconds) in shown:
         steps.rows.append((step, calls / count, 1e3 * seconds / count, f"{1e3 * seconds / whole:.0%}"))
-    rest = whole - 1e3 * sum(s for _, s in spent.values())
+    rest = whole - 1e3 * sum(s for _, (_, s) in shown)
     steps.rows.append(("the rest", float("nan"), rest / count, f"{rest / whole:.0%}"))
     yield steps
     nodes = Table("Time with the number of nodes asked for, 640x480", ("nodes asked", "nodes used", "ms median"))
@@ -101,7 +105,7 @@ def _frames(bench, name, lens, length):
 
 @contextmanager
 def clocked():
-    """{function: (calls, exclusive seconds)} of the tracker's functions that `model_tracking` calls, while in the body."""
+    """{function: (calls, exclusive seconds)} of all functions of the tracker, while in the body."""
     spent, inner, originals = {}, [], {}
 
     def clock(name, function):
@@ -119,17 +123,18 @@ def clocked():
 
         return timed
 
-    for name, value in vars(model_tracking).items():
-        if (
-            inspect.isfunction(value)
-            and value.__module__.startswith("vipr.systems.tracking")
-            and name not in ("start", "step")
-        ):
-            originals[name] = value
+    for module in [m for key, m in sys.modules.items() if key.startswith("vipr.systems.tracking.")]:
+        for name, value in vars(module).items():
+            if (
+                inspect.isfunction(value)
+                and value.__module__.startswith("vipr.systems.tracking")
+                and value not in WHOLE
+            ):
+                originals[module, name] = value
     try:
-        for name, value in originals.items():
-            setattr(model_tracking, name, clock(name.lstrip("_").replace("_", " "), value))
+        for (module, name), value in originals.items():
+            setattr(module, name, clock(value.__name__.lstrip("_").replace("_", " "), value))
         yield spent
     finally:
-        for name, value in originals.items():
-            setattr(model_tracking, name, value)
+        for (module, name), value in originals.items():
+            setattr(module, name, value)

@@ -1,5 +1,6 @@
 """What all parts of the tracking benchmark share: the lens, objects, one renderer a background, runs of the tracker, verdicts."""
 
+import tempfile
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -11,6 +12,7 @@ import numpy as np
 import vipr.models
 from vipr.scenarios.sequences.rendered import Conditions, sequence
 from vipr.scenarios.sequences.renderer import SequenceRenderer
+from vipr.scenarios.sequences.scenery import Mesh
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.signals import CameraFrame
@@ -20,7 +22,8 @@ from vipr.systems.tracking.model_tracking import Belief, TrackerSettings, start,
 
 XC77 = Lens(640, 480, 1948.05, 1923.08, 319.5, 239.5)
 BOXES = ("rice_box", "milk_carton")
-OBJECTS = (*BOXES, "can")
+UNPRINTED = " (unprinted)"  # the same carton in one colour: no print beside its edges
+OBJECTS = (*BOXES, "can", *(name + UNPRINTED for name in BOXES))
 RATE = 25.0  # images/s
 UPRIGHT = (
     se3.exp_so3(np.array([0.3, 0, 0])) @ se3.exp_so3(np.array([0, 0.6, 0])) @ se3.exp_so3(np.array([np.pi / 2, 0, 0]))
@@ -108,12 +111,19 @@ class Workbench:
         self.quick, self.data, self.seed, self.progress = quick, data, seed, progress
         self.lens = XC77
         self.renderer = cache(self._renderer)
-        self.model = cache(lambda name: load_model(_folder() / name / "model.yaml"))
+        self.model = cache(lambda name: load_model(_folder() / name.removesuffix(UNPRINTED) / "model.yaml"))
         self.good_frames = [0, 0, 0]  # rightly followed frames of all runs; of those said to be uncertain; to be lost
 
     def _renderer(self, background: str, lens: Lens) -> SequenceRenderer:
-        objects = {name: _folder() / name / "visual.obj" for name in OBJECTS}
-        return SequenceRenderer(objects, lens, background=background, seed=self.seed + 11)
+        with tempfile.TemporaryDirectory() as folder:
+            objects = {}
+            for name in OBJECTS:
+                objects[name] = _folder() / name / "visual.obj"
+                if name.endswith(UNPRINTED):
+                    model = self.model(name)
+                    mesh = Mesh([model.vertices[t] for t in model.triangles])
+                    objects[name] = mesh.write(Path(folder) / f"{model.name}.obj", colour=(0.9, 0.9, 0.9))
+            return SequenceRenderer(objects, lens, background=background, seed=self.seed + 11)
 
     def render(self, name, trajectory, frames, conditions=None, *, background="clutter", seed=0, lens=None) -> Frames:
         """Frames of an object with their truth."""
