@@ -20,11 +20,11 @@ from vipr.systems.tracking.pose_fit import (
     move,
     normal_jacobian,
 )
+from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
 from vipr.systems.tracking.texture import Keyframe, TextureFit, align, pyramid
 from vipr.systems.tracking.visible_edges import visible_nodes
 
 CLEAR = 12.0  # grey levels; much stronger edges are all alike
-_DIRECTIONS = np.random.default_rng(0).normal(size=(14, 6)) / np.sqrt(3.0)  # starts off the axes, the same in every run
 GIVEN_IS_GOOD = 0.6  # score at which a pose given from outside is believed at once
 NEARBY = 12.0  # px
 FOLLOWED = 4.0  # significance from which a texture alignment is followed
@@ -109,11 +109,9 @@ def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Att
     best = attempt(sight, X_CO_given, None, 0, covariance, near=True)
     off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
     believed = best.evidence.score > GIVEN_IS_GOOD and (agreement > 0.5 or best.evidence.edges > 0.8)
-    if not believed and sight.settings.second_try:
-        far = _acquire_far(sight, X_CO_given, covariance)
-        if far.evidence.quality > best.evidence.quality + 0.15 * agreement:
-            best = far
-            off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
+    if not believed and sight.settings.start_search:
+        best = _acquire_far(sight, X_CO_given, covariance, best, agreement)
+        off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
     X, fit, matches, _ = edge_pass(sight, best.X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, agreement * aim))
     evidence = replace(weigh(matches, fit), given=agreement)
     return Attempt(X, np.linalg.inv(fit.information + 1e-3 * np.linalg.inv(covariance)), evidence)
@@ -126,24 +124,18 @@ def _agreement(sight, X_CO, X_CO_given):
     return off, aim, 1.0 / (1.0 + float(off @ aim @ off) / 150.0) ** 2
 
 
-def _acquire_far(sight, X_CO_given, covariance):
-    """The best attempt from starts spread over tens of pixels."""
-    reach = sight.settings.reach
-    far = attempt(sight, X_CO_given, None, 0, covariance, far=True)
-    for shift, centre in ((0.9 * reach, X_CO_given), (0.45 * reach, None)):
-        if far.evidence.quality > 0.9:
-            break
-        X = far.X_CO if centre is None else centre
-        nodes = visible_nodes(sight.model, X, sight.lens, 60, sight.settings.spacing, sight.occluders_C)
-        if len(nodes) < 6:
-            break
-        steps = search_steps(nodes, X, sight.lens, None, 0.0, shift)
-        for d in np.concatenate([np.diag(steps), -np.diag(steps), steps * _DIRECTIONS]):
-            X_try, *_ = edge_pass(sight, move(X, d), reach, (0.6 * reach, 0.4 * reach, 4.0, 3.0, 2.0))
-            other = attempt(sight, X_try, None, 0, covariance, near=True)
-            if other.evidence.quality > far.evidence.quality:
-                far = other
-    return far
+def _acquire_far(sight, X_CO_given, covariance, near, agreement):
+    """The best of the attempts from the places that a search over tens of pixels finds, and of the near one, by chamfer cost."""
+    model, lens, hidden_by = sight.model, sight.lens, sight.occluders_C
+    field = field_around(sight.image, model, lens, X_CO_given)
+    if field is None:
+        return near
+    poses = search_start(field, model, lens, X_CO_given, occluders_C=hidden_by)
+    sight.open([X_CO_given, *poses], margin=3.0 * sight.settings.reach)
+    tries = [near, *(attempt(sight, X, None, 0, covariance, near=True) for X in poses)]
+    costs = [pose_cost(field, model, lens, one.X_CO, hidden_by) for one in tries]
+    costs[0] -= 0.25 * agreement  # px: what is given and found again needs less proof
+    return tries[int(np.argmin(costs))]
 
 
 def _align(sight, X_CO, keyframe, depth, information):
