@@ -161,15 +161,13 @@ class LivingRoom(Diagram):
 
 
 def random_look(rng: np.random.Generator, decors=("plain", "wallpaper", "beige", "wood")) -> Look:
-    """Another person in other clothes in another room."""
-    shirt = tuple(np.clip(rng.uniform(0.05, 0.7) * rng.dirichlet((3, 3, 4)) * 3, 0.02, 0.85))
+    """Another person in other clothes (never of skin's own colour) in another room."""
+    shirt = np.clip(rng.uniform(0.05, 0.7) * rng.dirichlet((3, 3, 4)) * 3, 0.02, 0.85)
+    if 1.1 < shirt[0] / shirt[1] < 2.6 and shirt[2] < 1.1 * shirt[1]:
+        shirt = shirt[::-1]
     hair = tuple(rng.uniform(0.03, 0.45) * np.array((1.0, 0.72, 0.45)))
     return Look(
-        str(rng.choice(list(SKIN_TONES))),
-        str(rng.choice(["long", "short"])),
-        shirt,
-        hair,
-        str(rng.choice(list(decors))),
+        str(rng.choice(list(SKIN_TONES))), str(rng.choice(["long", "short"])), tuple(shirt), hair, str(rng.choice(list(decors)))
     )
 
 

@@ -1,9 +1,15 @@
 """From a region to the hand or face in it: the end of a bare arm, the parts of a merged region. Pixels of the labels."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 ARM_SLENDERNESS = 3.0  # length over width from which a region is an arm with a hand at one end
 HAND_LENGTH_IN_WIDTHS = 2.3  # a hand is about this much longer than its arm is wide
+# In heights of the head (Drillis and Contini's proportions of the body):
+HAND_LENGTH, UPPER_ARM = 0.66, 1.43  # of the hand what is seen of it: fingers are thin and often bent
+SHOULDER = (0.86, 0.90)  # from the middle of the face: to the side, down
+HAND_IN_FACES = 0.75  # area of the largest usual hand over that of the face; more is hand and arm
 
 
 def pixels_of(labels: np.ndarray, row: int) -> np.ndarray:
@@ -20,24 +26,59 @@ def ends(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     return a, b, length, len(p) / length
 
 
-def hand_end(p: np.ndarray, expected, root, shape) -> tuple[np.ndarray, float]:
+@dataclass(frozen=True)
+class Body:
+    """What the face says of one arm: where its shoulder is [px], the height of the head [px] and the area of the face [px^2]."""
+
+    shoulder: np.ndarray
+    head: float
+    face_area: float
+
+
+def hand_end(p: np.ndarray, expected, body: Body | None, motion: np.ndarray) -> tuple[np.ndarray, float]:
     """Centre (2,) of the hand in blob p (n, 2), and the number of its pixels.
 
-    A compact blob is the hand. Of a slender one, the hand is the end nearer to ``expected`` (2,) or None, or else farther from ``root``
-    (2,), the shoulder; where that is None too, the end farther from the border of the image of ``shape`` (h, w).
+    A compact blob of a hand's size is the hand. Of more than that (a bare arm), the hand is one end: the one that is too far from the
+    shoulder to be the elbow, not the one at the sleeve, else the upper one (the elbow hangs), the one that moves in ``motion`` (h, w) uint8
+    and the one near ``expected`` (2,) or None. Without a body, the end farther from the border of the image.
     """
     a, b, length, width = ends(p)
-    if length < ARM_SLENDERNESS * width or len(p) < 12:
+    much = body is not None and len(p) > HAND_IN_FACES * body.face_area
+    if (length < ARM_SLENDERNESS * width and not much) or len(p) < 12 or length < 4:
         return p.mean(0), float(len(p))
-    if expected is not None:
-        tip, _ = (a, b) if ((a - expected) ** 2).sum() < ((b - expected) ** 2).sum() else (b, a)
-    elif root is not None:
-        tip, _ = (a, b) if ((a - root) ** 2).sum() > ((b - root) ** 2).sum() else (b, a)
-    else:
-        tip, _ = (a, b) if _inside(a, shape) > _inside(b, shape) else (b, a)
-    reach = min(HAND_LENGTH_IN_WIDTHS * width, 0.6 * length)
+    reach = HAND_LENGTH_IN_WIDTHS * width if body is None else min(HAND_LENGTH * body.head, 1.3 * HAND_LENGTH_IN_WIDTHS * width)
+    unit = length if body is None else body.head
+
+    def price(end):
+        mine = p[((p - end) ** 2).sum(1) < reach**2].astype(int)
+        cost = -0.5 * motion[mine[:, 1], mine[:, 0]].mean() / 255.0
+        if expected is not None:
+            cost += 0.45 * np.hypot(*(end - expected)) / unit
+        if body is None:
+            return cost - _inside(end, motion.shape) / unit
+        d = np.hypot(*(end - body.shoulder)) / unit
+        return cost + 0.8 * end[1] / unit + 0.8 * np.clip((0.7 - d) / 0.3, 0, 1) - 2.0 * max(0.0, d - 1.08 * UPPER_ARM)
+
+    tip = a if price(a) < price(b) else b
+    if expected is not None and length > 2.5 * unit and np.hypot(*(tip - expected)) > 2.5 * reach:
+        tip = p[np.argmin(((p - expected) ** 2).sum(1))]  # a bent arm, or two: neither end is where the hand should be
     hand = p[((p - tip) ** 2).sum(1) < reach**2]
     return hand.mean(0), float(len(hand))
+
+
+def head_in(p: np.ndarray, centre: np.ndarray, radius: float, rounds: int = 3) -> tuple[np.ndarray, float]:
+    """Centre (2,) and pixels of the head in a blob p (n, 2) that holds more (neck, arms, wall): an ellipse that climbs to where it is full.
+
+    ``radius`` is half the width of the head; it is 1.3 times as high.
+    """
+    c, n = np.asarray(centre, float), 0
+    for _ in range(rounds):
+        inside = p[(((p - c) / (1.15 * radius, 1.5 * radius)) ** 2).sum(1) < 1.0]
+        n = len(inside)
+        if n == 0:
+            break
+        c = inside.mean(0)
+    return c, float(n)
 
 
 def _inside(p: np.ndarray, shape) -> float:

@@ -30,5 +30,5 @@ def see_people(
     image: np.ndarray, time: float, number: int, belief: PeopleBelief, options: SkinOptions = SkinOptions()
 ) -> PeopleBelief:
     """The belief after an image (h, w, 3) BGR uint8 exposed at ``time`` [s], later than the one before."""
-    skin = see_skin(image, time, number, belief.skin, options)
+    skin = see_skin(image, time, number, belief.skin, options, belief.tracks)
     return PeopleBelief(skin, follow(skin.regions, belief.hands))

@@ -9,15 +9,16 @@ import cv2
 import numpy as np
 
 from vipr.systems.errors import InputError
-from vipr.systems.signals import SkinRegions
+from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin import colour_model, scene
 from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, histogram, hue_saturation, lookup
-from vipr.systems.skin.colour_model import ColourModel, doubt_table, initial_model, skin_table
+from vipr.systems.skin.colour_model import ColourModel, doubt_table, initial_model, possible_table, skin_table
 from vipr.systems.skin.density import components, density
 from vipr.systems.skin.locus import SkinBox, box_table
 from vipr.systems.skin.regions import describe
 from vipr.systems.skin.scene import Scene
 
+DARKEST = 36.0  # R + G + B below which chromaticity is noise
 CLASSIFIERS = ("ratio", "box", "hsi")
 
 
@@ -31,7 +32,6 @@ class SkinOptions:
     follow_light: bool = True  # undo changes of the light seen on the still scene
     still_scene: bool = True  # what never changes is not the person
     most_regions: int = 8
-    darkest: float = 36.0  # R + G + B below which chromaticity is noise
 
     def __post_init__(self):
         if self.classifier not in CLASSIFIERS:
@@ -107,51 +107,78 @@ def classify(image: np.ndarray, colours: Chromaticity, model: ColourModel, optio
         skin = lookup(box_table(model.box), colours.index)
     else:
         skin = lookup(skin_table(model), colours.index)
-    skin[colours.total < options.darkest] = 0
+    skin[colours.total < DARKEST] = 0
     return skin
 
 
 def see_skin(
-    image: np.ndarray, time: float, number: int, belief: SkinBelief, options: SkinOptions = SkinOptions()
+    image: np.ndarray,
+    time: float,
+    number: int,
+    belief: SkinBelief,
+    options: SkinOptions = SkinOptions(),
+    tracks: HandTracks | None = None,
 ) -> SkinBelief:
-    """The belief after a frame (h, w, 3) BGR uint8 exposed at ``time`` [s]; its ``regions`` are the frame's."""
+    """The belief after a frame (h, w, 3) BGR uint8 exposed at ``time`` [s]; its ``regions`` are the frame's.
+
+    ``tracks`` are those of the frame before: what is followed is not taken for a thing of the room, however still it is.
+    """
     small, scale = reduce(image, options.working_area)
     dt = float(np.clip(time - belief.regions.time, 1e-3, 0.5)) if belief.scene is not None else 0.04
-    fresh = belief.scene is None or belief.scene.sure.shape != small.shape[:2]
+    cut = belief.scene is None or belief.scene.sure.shape != small.shape[:2]
     gains = belief.gains
-    if not fresh and options.follow_light:
+    if not cut and options.follow_light:
         gains = scene.light_change(small, belief.scene, gains)
     colours = chromaticity(small, gains)
-    if fresh or scene.is_cut(colours.pixels, belief.scene):
+    cut = cut or scene.is_cut(colours.pixels, belief.scene)
+    if cut:
         belief, gains = SkinBelief(), np.ones(3)
         colours = chromaticity(small, gains)
         still = scene.new_scene(colours.pixels)
-        rest = _rest(colours, colours.total >= options.darkest, still)
+        rest = _rest(colours, colours.total >= DARKEST, still)
         model = colour_model.adapt(belief.model, np.zeros_like(rest), rest, 0.3)
         stood = np.zeros(small.shape[:2], np.float32)
     else:
         model = belief.model
         still, stood = scene.watch(colours.pixels, belief.scene, odd(11 * unit(small.shape)), dt)
     skin = classify(small, colours, model, options)
+    if options.classifier == "ratio" and model.share < 0.6:
+        skin = _moving(skin, colours, still)
     if options.still_scene:
         skin = cv2.multiply(skin, 1.0 - 0.95 * stood, dtype=cv2.CV_8U)
     u = unit(small.shape)
-    labels, _, boxes = components(density(skin, odd(4.4 * u)), 120, 9.0 * u * u, options.most_regions)
-    centres, areas, person, faceness = describe(labels, boxes, skin, still)
+    labels, _, boxes = components(density(skin, odd(3.4 * u)), 120, 8.0 * u * u, options.most_regions)
+    centres, areas, person, faceness, cores = describe(labels, boxes, skin, still)
     if options.still_scene or options.adapt:
         on_person = _person_pixels(labels, person)
-        still = scene.settle(still, colours.pixels, cv2.dilate(on_person, np.ones((3, 3), np.uint8)) > 0, dt)
+        followed = _followed(labels, tracks, scale) if tracks is not None and not cut else on_person
+        if tracks is not None:
+            followed |= _person_pixels(labels, np.where(faceness > 0.25, person, 0.0))
+        still = scene.settle(still, colours.pixels, cv2.dilate(followed, np.ones((3, 3), np.uint8)) > 0, dt)
         if options.adapt:
-            model = _learn(model, colours, skin, on_person, still, dt, options)
+            model = _learn(model, colours, skin, labels, on_person, cores, faceness, still, dt, options)
     order = np.argsort(-person * np.sqrt(areas), kind="stable")
     rename = np.zeros(256, np.uint8)
     rename[order + 1] = np.arange(1, len(order) + 1)
     regions = SkinRegions(
         centres=(centres[order] + 0.5) * scale - 0.5, areas=areas[order] * scale**2, boxes=boxes[order] * scale, person=person[order],
-        faceness=faceness[order], labels=cv2.LUT(labels, rename), scale=scale, size=(image.shape[1], image.shape[0]), time=time,
+        faceness=faceness[order], cores=_in_frame(cores[order], scale), labels=cv2.LUT(labels, rename),
+        motion=cv2.convertScaleAbs(still.motion, alpha=255.0), scale=scale, size=(image.shape[1], image.shape[0]), cut=cut, time=time,
         number=number,
     )  # fmt: skip
     return replace(belief, model=model, scene=still, gains=gains, regions=regions)
+
+
+def _moving(skin: np.ndarray, colours: Chromaticity, still: Scene) -> np.ndarray:
+    """Before the person is known: what moves and could be skin under some light is ten times likelier to be."""
+    p = skin.astype(np.float32)
+    boost = 9.0 * still.motion * (lookup(possible_table(), colours.index) * (colours.total > 0))
+    return cv2.convertScaleAbs(p * (1 + boost) / (1 + p * boost / 255.0))
+
+
+def _in_frame(cores: np.ndarray, scale: float) -> np.ndarray:
+    """Cores in pixels of the frame."""
+    return np.column_stack([(cores[:, :2] + 0.5) * scale - 0.5, cores[:, 2] * scale])
 
 
 def _person_pixels(labels: np.ndarray, person: np.ndarray) -> np.ndarray:
@@ -161,13 +188,30 @@ def _person_pixels(labels: np.ndarray, person: np.ndarray) -> np.ndarray:
     return cv2.LUT(labels, table)
 
 
-def _learn(model, colours, skin, on_person, still, dt, options) -> ColourModel:
-    """Skin from the inside of the person's regions, the rest from outside all regions and from the still scene."""
-    bright = colours.total >= options.darkest
-    inside = on_person.astype(bool) & bright & (skin > 90)
-    return colour_model.adapt(
-        model, histogram(colours.index[inside]), _rest(colours, bright & ~on_person.astype(bool), still), dt
-    )
+def _followed(labels: np.ndarray, tracks: HandTracks, scale: float) -> np.ndarray:
+    """(h, w) uint8, 1 on regions that hold a part seen in the frame before, about that part."""
+    about = np.zeros_like(labels)
+    for name, area in zip(("face", "left", "right"), tracks.areas, strict=True):
+        if getattr(tracks, f"{name}_seen"):
+            x, y = (getattr(tracks, name) + 0.5) / scale - 0.5
+            cv2.circle(about, (round(float(x)), round(float(y))), max(2, round(1.1 * float(np.sqrt(area)) / scale)), 1, -1)
+    return about & np.minimum(labels, 1)
+
+
+def _learn(model, colours, skin, labels, on_person, cores, faceness, still, dt, options) -> ColourModel:
+    """Skin from the face and from what moves in the person's regions, the rest from outside them and from the still scene."""
+    bright = colours.total >= DARKEST
+    person = on_person.astype(bool)
+    sample = (skin > 60) & (still.motion > 0.25) & person
+    trust = 0.6
+    if len(faceness) and faceness.max() > 0.25:
+        best = int(np.argmax(faceness))
+        x, y, r = cores[best]
+        ellipse = np.zeros_like(skin)
+        cv2.ellipse(ellipse, (round(x), round(y)), (max(1, round(0.95 * r)), max(1, round(1.2 * r))), 0, 0, 360, 1, -1)
+        sample |= (ellipse > 0) & (labels == best + 1) & (skin > 40)
+        trust = float(np.clip(faceness[best] / 0.4, 0.6, 1.0))
+    return colour_model.adapt(model, histogram(colours.index[sample & bright]), _rest(colours, bright & ~person, still), dt, trust)
 
 
 def _rest(colours: Chromaticity, outside: np.ndarray, still: Scene) -> np.ndarray:

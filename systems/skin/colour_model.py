@@ -17,6 +17,7 @@ from vipr.systems.skin.locus import SkinBox, box_table, skin_prior
 
 REACH = 0.09  # how far in r or g regions may pull the model from its anchor
 RATE = 2.5  # 1/s, at which regions replace the model
+LEARN = 3.0  # 1/s, at which the regions' share of the skin histogram grows at first
 LARGEST_SHARE = 0.9  # of the skin histogram that the regions may take; the rest stays the prior
 
 
@@ -36,9 +37,16 @@ def _uniform() -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def doubt_table() -> np.ndarray:
-    """(R_BINS, G_BINS) float32, 0 to 1: how far a colour may be anybody's skin."""
-    table = _prior() / (_prior() + np.float32(0.6 / (R_BINS * G_BINS)))
-    table = np.minimum(table * 1.1, 0.97).astype(np.float32)
+    """(R_BINS, G_BINS) float32, 0 to 1: how far a colour may be anybody's skin, so that it need not belong to the room."""
+    table = (0.55 * _prior() / (_prior() + np.float32(0.6 / (R_BINS * G_BINS)))).astype(np.float32)
+    table.setflags(write=False)
+    return table
+
+
+@lru_cache(maxsize=1)
+def possible_table() -> np.ndarray:
+    """(R_BINS, G_BINS) float32, 1 where the prior leaves some chance for skin."""
+    table = (_prior() > 2e-6).astype(np.float32)
     table.setflags(write=False)
     return table
 
@@ -87,7 +95,7 @@ def adapt(model: ColourModel, skin: np.ndarray, rest: np.ndarray, dt: float, tru
     bounded = cv2.GaussianBlur(bounded, (5, 5), 1.1) / total
     rate = trust * (1.0 - np.exp(-dt * RATE))
     old = model.skin if model.share else bounded
-    share = min(LARGEST_SHARE, model.share + trust * dt * 1.2)
+    share = min(LARGEST_SHARE, model.share + trust * dt * LEARN)
     adapted = (1 - rate) * old + rate * bounded
     return replace(model, skin=adapted, share=share, anchor=anchor, box=_adapted_box(model.box, bounded, rate))
 

@@ -35,33 +35,25 @@ def _operator() -> tuple[np.ndarray, np.ndarray]:
 _CONTRAST, _WEIGHT = _operator()
 
 
-_FRAMES = (
-    (1.0, 0.0),
-    (1.0, -0.15),
-    (1.0, 0.15),
-    (0.85, 0.05),
-    (1.1, -0.1),
-)  # width of the face in widths of the box, top in heights
+_FRAMES = ((2.0, 0.0), (2.0, -0.3), (2.0, 0.3), (2.4, 0.0), (1.65, 0.0), (1.65, -0.3))  # width of the face, shift down; in core radii
 
 
-def face_marks(luma: np.ndarray, boxes: np.ndarray) -> np.ndarray:
-    """(n,) 0 to 1 for luma (h, w) float32 in regions' boxes (n, 4) x y w h [px]; a few heights and widths are tried, the best counts.
+def face_marks(luma: np.ndarray, cores: np.ndarray) -> np.ndarray:
+    """(n,) 0 to 1 for luma (h, w) float32 about the cores (n, 3) x y radius [px] of regions; the best of a few heights and widths counts.
 
-    A region may hold the neck or miss the forehead, so the face is taken as wide as the box and about 1.25 times as high.
+    The core of a face is the disc between its cheeks; the face is about 1.25 times as high as wide.
     """
     rows, columns = luma.shape
     patches, owner = [], []
-    for i, (x, y, w, h) in enumerate(boxes):
-        for width, top in _FRAMES:
-            wide = width * w
-            high = min(1.28 * wide, 1.15 * h)
-            x0, y0 = round(x + 0.5 * (w - wide)), round(y + top * high)
-            x1, y1 = min(round(x0 + wide), columns), min(round(y0 + high), rows)
-            x0, y0 = max(x0, 0), max(y0, 0)
+    for i, (x, y, r) in enumerate(cores):
+        for width, shift in _FRAMES:
+            half, tall = 0.5 * width * r, 0.625 * width * r
+            x0, x1 = max(round(x - half), 0), min(round(x + half) + 1, columns)
+            y0, y1 = max(round(y + shift * r - tall), 0), min(round(y + shift * r + tall) + 1, rows)
             if x1 - x0 >= 6 and y1 - y0 >= 7:
                 patches.append(cv2.resize(luma[y0:y1, x0:x1], (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA))
                 owner.append(i)
-    best = np.zeros(len(boxes))
+    best = np.zeros(len(cores))
     if patches:
         p = np.array(patches)
         p -= p.mean(axis=(1, 2), keepdims=True)

@@ -1,5 +1,6 @@
 """The regions of a frame with what speaks for each: centre of gravity, size, motion, and the look of a face."""
 
+import cv2
 import numpy as np
 
 from vipr.systems.skin.face_marks import face_marks
@@ -7,7 +8,7 @@ from vipr.systems.skin.scene import Scene
 
 
 def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, scene: Scene):
-    """Centres (n, 2), areas (n,), person (n,) and faceness (n,) of the labelled regions; pixels of ``labels``.
+    """Centres (n, 2), areas (n,), person (n,), faceness (n,) and cores (n, 3) of the labelled regions; pixels of ``labels``.
 
     Centres are weighted by ``skin`` (h, w) uint8, so that the border that the density adds counts little.
     """
@@ -17,25 +18,31 @@ def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, scene: Sce
     region = labels.ravel()[index].astype(np.int64) - 1
     weight = skin.ravel()[index] * (1.0 / 255.0)
     weight *= weight > 0.35
-    count = np.bincount(region, minlength=n).astype(float)
+    count = np.maximum(np.bincount(region, minlength=n), 1).astype(float)
     mass = np.bincount(region, weight, n)
     safe = np.maximum(mass, 1e-6)
     y, x = np.divmod(index, width)
     centres = np.stack([np.bincount(region, weight * x, n) / safe, np.bincount(region, weight * y, n) / safe], axis=1)
-    alive = np.bincount(region, scene.alive.ravel()[index], n) / np.maximum(count, 1)
-    known = np.bincount(region, scene.sure.ravel()[index], n) / np.maximum(count, 1)
-    fill = count / np.maximum(boxes[:, 2] * boxes[:, 3], 1)
-    faceness = _faceness(scene.luma, boxes, fill)
-    person = 1.0 / (1.0 + np.exp(-(4.0 * alive + 3.0 * faceness - 3.0 * known - 0.8)))
-    return centres, mass, person, faceness
-
-
-def _faceness(luma: np.ndarray, boxes: np.ndarray, fill: np.ndarray) -> np.ndarray:
-    """Marks of a face, discounted where the shape is not that of a head; looked for in the few most likely shapes only."""
-    tall = boxes[:, 3] / np.maximum(boxes[:, 2], 1.0)
-    shape = np.clip((fill - 0.25) / 0.3, 0.0, 1.0) * np.clip(3.2 - tall, 0.0, 1.0) * (tall > 0.7)
-    faceness = np.zeros(len(boxes))
-    likely = np.flatnonzero(shape > 0.1)[:4]
+    alive = np.bincount(region, scene.alive.ravel()[index], n) / count
+    known = np.bincount(region, scene.sure.ravel()[index], n) / count
+    cores = find_cores(labels, boxes)
+    faceness = np.zeros(n)
+    likely = np.flatnonzero(known < 0.8)[:4]  # regions come by falling area
     if len(likely):
-        faceness[likely] = np.clip(face_marks(luma, boxes[likely]) * shape[likely], 0.0, 1.0)
-    return faceness
+        faceness[likely] = np.clip(face_marks(scene.luma, cores[likely]), 0.0, 1.0)
+    person = 1.0 / (1.0 + np.exp(-(4.0 * alive + 3.0 * faceness - 3.0 * known - 0.8)))
+    return centres, mass, person, faceness, cores
+
+
+def find_cores(labels: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+    """(n, 3) x, y, radius of the largest disc inside each region once its holes (eyes, mouth) are filled."""
+    contours, _ = cv2.findContours((labels > 0).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    filled = np.zeros((labels.shape[0] + 2, labels.shape[1] + 2), np.uint8)
+    cv2.drawContours(filled, contours, -1, 255, cv2.FILLED, offset=(1, 1))
+    inside = cv2.distanceTransform(filled, cv2.DIST_L2, 3)[1:-1, 1:-1]
+    cores = np.zeros((len(boxes), 3))
+    for i, (x, y, w, h) in enumerate(boxes.astype(int)):
+        part = np.where(labels[y : y + h, x : x + w] == i + 1, inside[y : y + h, x : x + w], 0.0)
+        _, radius, _, (px, py) = cv2.minMaxLoc(part)
+        cores[i] = x + px, y + py, radius
+    return cores

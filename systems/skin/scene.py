@@ -77,7 +77,7 @@ def settle(scene: Scene, pixels: np.ndarray, person: np.ndarray, dt: float) -> S
     away = cv2.absdiff(pixels, scene.pixels)
     away = np.maximum(np.maximum(away[:, :, 0], away[:, :, 1]), away[:, :, 2])
     same = away < 5.0 + 4.0 * scene.noise + 0.04 * scene.luma
-    guarded = person | (scene.alive > 0.3) & (scene.sure < 0.5)
+    guarded = person | (scene.motion > 0.25)
     step = np.where(same, np.float32(dt / SETTLE), np.float32(-dt / FORGET))
     step[guarded] = -dt / (8 * FORGET)
     sure = np.clip(scene.sure + step, 0.0, 1.0)

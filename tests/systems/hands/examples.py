@@ -20,7 +20,7 @@ def regions_of(parts, time, number, size=(160, 120)):
     table = np.array(rows, float).reshape(-1, 8)
     return SkinRegions(
         centres=table[:, :2].copy(), areas=table[:, 2].copy(), boxes=table[:, 3:7].copy(), person=np.ones(len(table)),
-        faceness=table[:, 7].copy(), labels=labels, scale=1.0, size=size, time=time, number=number,
+        faceness=table[:, 7].copy(), cores=np.column_stack([table[:, :2], table[:, 5] / 2]), labels=labels, cut=False, scale=1.0, size=size, time=time, number=number,
     )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vipr.systems.signals import CameraFrame
+from vipr.systems.signals import CameraFrame, HandTracks
 from vipr.systems.skin.segmenter import SkinSegmenter
 
 
@@ -21,6 +21,7 @@ def segmenter():
     def fix(context, t):
         frame = CameraFrame(image=blobs(t), time=t, number=round(t / 0.04))
         system.GetInputPort("frame").FixValue(context, frame)
+        system.GetInputPort("hand_tracks").FixValue(context, HandTracks())
 
     return system, fix
 

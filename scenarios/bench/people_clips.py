@@ -1,0 +1,82 @@
+"""Hit rates on real clips against another tracker's centres, which are a reference with confidences and not the truth."""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vipr.systems.camera.video_frames import open_video
+from vipr.systems.hands.pipeline import PeopleBelief, see_people
+from vipr.systems.signals import HandTracks
+from vipr.systems.skin.chain import SkinOptions, as_bgr
+
+FACE_TOLERANCE, HAND_TOLERANCE = 0.35, 0.5  # of the shoulder width
+VISIBLE = 0.5  # confidence from which the reference counts
+REFERENCE = {"face": "face", "left": "lhand", "right": "rhand"}
+
+
+@dataclass(frozen=True)
+class Hits:
+    """Of one clip and part: frames in which the reference is visible, hits, and hits by either hand."""
+
+    clip: str
+    part: str
+    visible: int
+    hits: int
+    either: int  # hits when the names of the hands do not count
+    median_error: float  # of the shoulder width, over all visible frames in which the part is reported
+
+
+def follow_clip(path: Path, options: SkinOptions = SkinOptions(), rate: float | None = None) -> list[HandTracks]:
+    """The tracks of every frame of a clip."""
+    belief, tracks = PeopleBelief(), []
+    for number, (image, at) in enumerate(open_video(path, rate).frames):
+        belief = see_people(as_bgr(image), at, number, belief, options)
+        tracks.append(belief.tracks)
+    return tracks
+
+
+def read_reference(path: Path) -> list[dict]:
+    """Rows of a ``*.gt_mediapipe.csv`` as numbers."""
+    with open(path, newline="") as file:
+        return [{k: float(v) for k, v in line.items()} for line in csv.DictReader(file)]
+
+
+def score_clip(name: str, tracks: list[HandTracks], reference: list[dict]) -> list[Hits]:
+    """Hits of face and each hand.
+
+    A frame counts where the reference's visibility is at least 0.5; it is a hit where the part is seen within 0.35 (face) or 0.5 (hand)
+    shoulder widths of the reference.
+    """
+    result = []
+    for part, column in REFERENCE.items():
+        tolerance = FACE_TOLERANCE if part == "face" else HAND_TOLERANCE
+        visible = hits = either = 0
+        errors = []
+        for t, r in zip(tracks, reference, strict=False):
+            if r[f"{column}_vis"] < VISIBLE:
+                continue
+            visible += 1
+            want, shoulder = np.array([r[f"{column}_x"], r[f"{column}_y"]]), r["shoulder_px"]
+            distance = {p: np.hypot(*(getattr(t, p) - want)) / shoulder for p in REFERENCE if getattr(t, f"{p}_seen")}
+            if part in distance:
+                errors.append(distance[part])
+            hits += distance.get(part, np.inf) < tolerance
+            names = ("face",) if part == "face" else ("left", "right")
+            either += min(distance.get(p, np.inf) for p in names) < tolerance
+        if visible:
+            result.append(Hits(name, part, visible, hits, either, float(np.median(errors)) if errors else float("nan")))
+    return result
+
+
+def run_clips(data: Path, options: SkinOptions = SkinOptions(), most: int | None = None) -> list[Hits]:
+    """Hits of every clip below ``data``/video that has a reference beside it."""
+    result = []
+    for reference in sorted((data / "video").rglob("*.gt_mediapipe.csv")):
+        clip = reference.name.removesuffix(".gt_mediapipe.csv")
+        video = next(p for p in sorted(reference.parent.iterdir()) if p.stem == clip and p.suffix != ".csv")
+        rows = read_reference(reference)[:most]
+        tracks = follow_clip(video, options)[: len(rows)]
+        result += score_clip(clip, tracks, rows)
+    return result
