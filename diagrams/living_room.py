@@ -167,7 +167,11 @@ def random_look(rng: np.random.Generator, decors=("plain", "wallpaper", "beige",
         shirt = shirt[::-1]
     hair = tuple(rng.uniform(0.03, 0.45) * np.array((1.0, 0.72, 0.45)))
     return Look(
-        str(rng.choice(list(SKIN_TONES))), str(rng.choice(["long", "short"])), tuple(shirt), hair, str(rng.choice(list(decors)))
+        str(rng.choice(list(SKIN_TONES))),
+        str(rng.choice(["long", "short"])),
+        tuple(shirt),
+        hair,
+        str(rng.choice(list(decors))),
     )
 
 

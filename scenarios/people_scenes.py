@@ -28,7 +28,12 @@ class Scene:
 
 
 def random_scene(
-    seed: int, *, kind: str | None = None, light: str | None = None, seconds: float = 6.0, decors=("plain", "wallpaper", "beige", "wood")
+    seed: int,
+    *,
+    kind: str | None = None,
+    light: str | None = None,
+    seconds: float = 6.0,
+    decors=("plain", "wallpaper", "beige", "wood"),
 ) -> Scene:
     """The scene of a seed; kind and light program are drawn where not given (light: constant white)."""
     rng = np.random.default_rng((seed, 77))

@@ -83,8 +83,12 @@ class SkinRegions(Signal):
     boxes: np.ndarray = empty(0, 4)  # (n, 4) px: x, y, width, height
     person: np.ndarray = empty(0)  # (n,) 0 to 1: moves, differs from what always stood there
     faceness: np.ndarray = empty(0)  # (n,) 0 to 1: the marks of a face on the region's thickest part
-    cores: np.ndarray = empty(0, 3)  # (n, 3) px: x, y, radius of the largest disc inside, on the palm or the face rather than the arm
-    labels: np.ndarray = empty(0, 0, dtype=np.uint8)  # (h', w') at working resolution: row + 1 of the region, 0 elsewhere
+    cores: np.ndarray = empty(
+        0, 3
+    )  # (n, 3) px: x, y, radius of the largest disc inside, on the palm or the face rather than the arm
+    labels: np.ndarray = empty(
+        0, 0, dtype=np.uint8
+    )  # (h', w') at working resolution: row + 1 of the region, 0 elsewhere
     motion: np.ndarray = empty(0, 0, dtype=np.uint8)  # (h', w'), 255 where something moves, fading within a second
     scale: float = 1.0  # pixels of the frame in one pixel of ``labels``
     size: tuple[int, int] = (0, 0)  # (width, height) of the frame, px; (0, 0) before the first

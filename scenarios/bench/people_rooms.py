@@ -93,8 +93,9 @@ def names_after_parting(r: RoomResult) -> tuple[int, int]:
     ends = np.flatnonzero(r.contact[:-1] & ~r.contact[1:]) + 1
     for end in ends:
         window = slice(end, end + PARTED)
-        if end + PARTED > len(r.contact) or r.contact[window].any() or r.swapped[: max(0, end - 1)][~r.contact[: max(0, end - 1)]][-3:].all():
-            continue
+        before = r.swapped[:end][~r.contact[:end]][-3:]
+        if end + PARTED > len(r.contact) or r.contact[window].any() or (len(before) and before.all()):
+            continue  # touching again at once, or already exchanged
         n += 1
         swaps += bool(r.swapped[window][-3:].all())
     return n, swaps

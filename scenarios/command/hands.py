@@ -16,7 +16,9 @@ def hands(
     out: Annotated[Path, typer.Option(help="Folder for regions.csv, overlay.mp4 and summary.json.")],
     video: Annotated[Path | None, typer.Option(help="Video file.")] = None,
     camera: Annotated[int | None, typer.Option(help="Number of a live camera; Ctrl-C ends.")] = None,
-    images: Annotated[str | None, typer.Option(help="Folder, quoted glob 'DIR/*.jpg' or pattern 'DIR/%04d.png'.")] = None,
+    images: Annotated[
+        str | None, typer.Option(help="Folder, quoted glob 'DIR/*.jpg' or pattern 'DIR/%04d.png'.")
+    ] = None,
     fps: Annotated[float | None, typer.Option(help="Frames a second, instead of the file's own (images: 25).")] = None,
     working_area: Annotated[float, typer.Option(help="Pixels to which frames are reduced inside.")] = 0.0,
     no_video: Annotated[bool, typer.Option("--no-video", help="Write no overlay.mp4.")] = False,

@@ -46,7 +46,11 @@ def hand_end(p: np.ndarray, expected, body: Body | None, motion: np.ndarray) -> 
     much = body is not None and len(p) > HAND_IN_FACES * body.face_area
     if (length < ARM_SLENDERNESS * width and not much) or len(p) < 12 or length < 4:
         return p.mean(0), float(len(p))
-    reach = HAND_LENGTH_IN_WIDTHS * width if body is None else min(HAND_LENGTH * body.head, 1.3 * HAND_LENGTH_IN_WIDTHS * width)
+    reach = (
+        HAND_LENGTH_IN_WIDTHS * width
+        if body is None
+        else min(HAND_LENGTH * body.head, 1.3 * HAND_LENGTH_IN_WIDTHS * width)
+    )
     unit = length if body is None else body.head
 
     def price(end):

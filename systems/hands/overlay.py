@@ -9,12 +9,16 @@ from vipr.systems.signals import HandTracks, SkinRegions
 COLOURS = {"face": (80, 220, 80), "left": (255, 140, 40), "right": (60, 80, 255)}  # BGR
 
 
-def draw_people(image: np.ndarray, regions: SkinRegions, tracks: HandTracks, trail: list[HandTracks] = ()) -> np.ndarray:
+def draw_people(
+    image: np.ndarray, regions: SkinRegions, tracks: HandTracks, trail: list[HandTracks] = ()
+) -> np.ndarray:
     """A copy of image (h, w, 3) BGR with outlines of the regions, a ring on each part that is seen, and the parts' trails."""
     out = image.copy()
     thick = max(1, round(min(image.shape[:2]) / 240))
     if regions.labels.size:
-        mask = cv2.resize(np.minimum(regions.labels, 1), (image.shape[1], image.shape[0]), interpolation=cv2.INTER_NEAREST)
+        mask = cv2.resize(
+            np.minimum(regions.labels, 1), (image.shape[1], image.shape[0]), interpolation=cv2.INTER_NEAREST
+        )
         outlines, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_SIMPLE)
         cv2.drawContours(out, outlines, -1, (255, 255, 255), thick)
     for name in PARTS:
@@ -25,6 +29,13 @@ def draw_people(image: np.ndarray, regions: SkinRegions, tracks: HandTracks, tra
             centre = tuple(int(v) for v in np.rint(getattr(tracks, name)))
             cv2.circle(out, centre, round(0.035 * min(image.shape[:2])), COLOURS[name], 2 * thick, cv2.LINE_AA)
             cv2.putText(
-                out, name, (centre[0] + 8 * thick, centre[1]), cv2.FONT_HERSHEY_SIMPLEX, 0.4 * thick, COLOURS[name], thick, cv2.LINE_AA
+                out,
+                name,
+                (centre[0] + 8 * thick, centre[1]),
+                cv2.FONT_HERSHEY_SIMPLEX,
+                0.4 * thick,
+                COLOURS[name],
+                thick,
+                cv2.LINE_AA,
             )
     return out

@@ -22,7 +22,11 @@ SIGMA_N = 0.8  # noise of a region's centre
 SIGMA_W = {"face": 500.0, "left": 2600.0, "right": 2600.0}  # acceleration noise, px/s^2
 SIGMA_V = {"face": 20.0, "left": 60.0, "right": 60.0}  # velocity of a new track, px/s
 GATE2 = 20.0  # squared Mahalanobis distance
-GATE = {"face": (10.0, 150.0), "left": (10.0, 350.0), "right": (10.0, 350.0)}  # px and px/s: no part moves farther in a frame
+GATE = {
+    "face": (10.0, 150.0),
+    "left": (10.0, 350.0),
+    "right": (10.0, 350.0),
+}  # px and px/s: no part moves farther in a frame
 COST_UNSEEN, COST_SHARED = 14.0, 7.0
 LIFE = 2.0  # s, in which the memory of having moved halves
 MIND_SIDES = 0.6  # s on the wrong sides, beyond those on the right ones, after which hands exchange names
@@ -138,7 +142,9 @@ def _candidates(regions: SkinRegions, tracks: dict) -> list[_Region]:
         head -= 0.3 * _enters(regions.labels, i, core)
         centre = (regions.centres[i] + 0.5) / s - 0.5
         moving = float(np.mean(regions.motion[regions.labels == i + 1])) / 255.0
-        found.append(_Region(i, centre, area, regions.boxes[i] / s, core, regions.person[i], float(head), moving=moving))
+        found.append(
+            _Region(i, centre, area, regions.boxes[i] / s, core, regions.person[i], float(head), moving=moving)
+        )
     return found
 
 
@@ -165,7 +171,9 @@ def _cut_out_head(face: Track | None, found: list[_Region], regions: SkinRegions
     labels[y[away], x[away]] = 0
     parts = np.zeros(labels.shape, np.uint8)
     parts[y[away], x[away]] = 1
-    n, pieces, stats, centres = cv2.connectedComponentsWithStats(cv2.erode(parts, np.ones((2, 2), np.uint8)), connectivity=4)
+    n, pieces, stats, centres = cv2.connectedComponentsWithStats(
+        cv2.erode(parts, np.ones((2, 2), np.uint8)), connectivity=4
+    )
     px = np.column_stack([x, y])[~away]
     head = replace(
         whole, centre=px.mean(0) if len(px) else whole.centre, area=float(len(px)), core=np.array([f.x, f.y, radius]),
@@ -298,7 +306,9 @@ def _measure_shared(name: str, t: Track, sharers: list, tracks: dict, r: _Region
     if count[k] < 0.15 * t.area:
         return replace(t, unseen=t.unseen + dt, shared=False)
     apart = min(np.hypot(*(centres[k] - centres[j])) / (radii[k] + radii[j]) for j in range(len(sharers)) if j != k)
-    noise = 4.0 if name == "face" else 2.0 + 6.0 * max(0.0, 1.0 - apart)  # where they overlap, motion says more than pixels
+    noise = (
+        4.0 if name == "face" else 2.0 + 6.0 * max(0.0, 1.0 - apart)
+    )  # where they overlap, motion says more than pixels
     f = kalman.update(t.filter, *shared[k], SIGMA_N * u * noise)
     sizes = [tracks[s].area for s in sharers]
     crowded = r.area < sum(sizes) - 0.65 * min(sizes)
@@ -313,7 +323,9 @@ def _body(tracks: dict, name: str) -> Body | None:
         return None
     head = 2.6 * np.sqrt(face.area / np.pi / 1.3)
     side = 1.0 if name == "left" else -1.0
-    return Body(np.array([face.filter.x + side * SHOULDER[0] * head, face.filter.y + SHOULDER[1] * head]), head, face.area)
+    return Body(
+        np.array([face.filter.x + side * SHOULDER[0] * head, face.filter.y + SHOULDER[1] * head]), head, face.area
+    )
 
 
 def _missing(tracks: dict, name: str) -> bool:
@@ -339,7 +351,9 @@ def _give_birth(tracks: dict, free: list[_Region], labels: np.ndarray, motion: n
             if 0.15 * face.area < r.area < 6.0 * face.area and (not r.remnant or r.moving > 0.3)
             and np.hypot(r.centre[0] - face.filter.x, r.centre[1] - face.filter.y) < reach
         ]  # fmt: skip
-        free += [r for r in at_rest if r.person > 0.28 and 0.15 * face.area < r.area < 3.0 * face.area and _hangs(r, face)]
+        free += [
+            r for r in at_rest if r.person > 0.28 and 0.15 * face.area < r.area < 3.0 * face.area and _hangs(r, face)
+        ]
     free.sort(key=lambda r: -r.person * np.sqrt(r.area))
     middle = face.filter.x if face is not None else 0.5 * labels.shape[1]
     tracks = _give_up_still_hands(tracks, free, face)
@@ -368,7 +382,9 @@ def _give_up_still_hands(tracks: dict, free: list[_Region], face: Track | None) 
     size = 0.2 * face.area if face is not None else 0.0
     waiting = sorted((r.moving * np.sqrt(r.area) for r in free if r.moving > 0.3 and r.area > size), reverse=True)
     waiting = waiting[sum(_missing(tracks, n) for n in ("left", "right")) :]
-    held = {n: (t.life + 0.1) * np.sqrt(t.area) for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared}
+    held = {
+        n: (t.life + 0.1) * np.sqrt(t.area) for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared
+    }
     tracks = dict(tracks)
     for claim, name in zip(waiting, sorted(held, key=held.get), strict=False):
         if claim > 2.0 * held[name]:

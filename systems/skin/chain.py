@@ -194,7 +194,9 @@ def _followed(labels: np.ndarray, tracks: HandTracks, scale: float) -> np.ndarra
     for name, area in zip(("face", "left", "right"), tracks.areas, strict=True):
         if getattr(tracks, f"{name}_seen"):
             x, y = (getattr(tracks, name) + 0.5) / scale - 0.5
-            cv2.circle(about, (round(float(x)), round(float(y))), max(2, round(1.1 * float(np.sqrt(area)) / scale)), 1, -1)
+            cv2.circle(
+                about, (round(float(x)), round(float(y))), max(2, round(1.1 * float(np.sqrt(area)) / scale)), 1, -1
+            )
     return about & np.minimum(labels, 1)
 
 
@@ -211,7 +213,9 @@ def _learn(model, colours, skin, labels, on_person, cores, faceness, still, dt, 
         cv2.ellipse(ellipse, (round(x), round(y)), (max(1, round(0.95 * r)), max(1, round(1.2 * r))), 0, 0, 360, 1, -1)
         sample |= (ellipse > 0) & (labels == best + 1) & (skin > 40)
         trust = float(np.clip(faceness[best] / 0.4, 0.6, 1.0))
-    return colour_model.adapt(model, histogram(colours.index[sample & bright]), _rest(colours, bright & ~person, still), dt, trust)
+    return colour_model.adapt(
+        model, histogram(colours.index[sample & bright]), _rest(colours, bright & ~person, still), dt, trust
+    )
 
 
 def _rest(colours: Chromaticity, outside: np.ndarray, still: Scene) -> np.ndarray:

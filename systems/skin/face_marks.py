@@ -35,7 +35,14 @@ def _operator() -> tuple[np.ndarray, np.ndarray]:
 _CONTRAST, _WEIGHT = _operator()
 
 
-_FRAMES = ((2.0, 0.0), (2.0, -0.3), (2.0, 0.3), (2.4, 0.0), (1.65, 0.0), (1.65, -0.3))  # width of the face, shift down; in core radii
+_FRAMES = (
+    (2.0, 0.0),
+    (2.0, -0.3),
+    (2.0, 0.3),
+    (2.4, 0.0),
+    (1.65, 0.0),
+    (1.65, -0.3),
+)  # width of the face, shift down; in core radii
 
 
 def face_marks(luma: np.ndarray, cores: np.ndarray) -> np.ndarray:

@@ -19,9 +19,20 @@ def regions_of(parts, time, number, size=(160, 120)):
         rows.append((cx, cy, disc.sum(), cx - radius, cy - radius, 2 * radius + 1, 2 * radius + 1, faceness))
     table = np.array(rows, float).reshape(-1, 8)
     return SkinRegions(
-        centres=table[:, :2].copy(), areas=table[:, 2].copy(), boxes=table[:, 3:7].copy(), person=np.ones(len(table)),
-        faceness=table[:, 7].copy(), cores=np.column_stack([table[:, :2], table[:, 5] / 2]), labels=labels, cut=False, scale=1.0, size=size, time=time, number=number,
-    )  # fmt: skip
+        centres=table[:, :2].copy(),
+        areas=table[:, 2].copy(),
+        boxes=table[:, 3:7].copy(),
+        person=np.ones(len(table)),
+        faceness=table[:, 7].copy(),
+        cores=np.column_stack([table[:, :2], table[:, 5] / 2]),
+        labels=labels,
+        motion=np.zeros_like(labels),
+        scale=1.0,
+        size=size,
+        cut=False,
+        time=time,
+        number=number,
+    )
 
 
 def tracker():
