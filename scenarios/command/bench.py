@@ -11,7 +11,28 @@ def register(app: typer.Typer) -> None:
     group = typer.Typer(help="Measure a stage; the tables of the README.", no_args_is_help=True)
     app.add_typer(group, name="bench")
     # One line a benchmark: `group.command("tracking")(tracking)`, heavy imports inside the function.
+    group.command("align")(align)
     group.command("tracking")(tracking)
+
+
+def align(
+    seeds: Annotated[int, typer.Option(help="How many seeds, from 1.", min=1)] = 20,
+    settings: Annotated[
+        list[str], typer.Option("--set", metavar="KEY=VALUE", help="A setting of the scenario; repeatable.")
+    ] = [],  # noqa: B006 (typer copies it)
+    out: Annotated[Path, typer.Option(help="Folder of the runs.")] = Path("out/bench-align"),
+    as_json: Annotated[bool, typer.Option("--json", help="Print the summaries as JSON.")] = False,
+) -> None:
+    """The first loop, ``vipr run align``, over many seeds: errors against truth, and where the time goes."""
+    import json
+
+    from vipr.scenarios.bench.align import print_table, run
+
+    summaries = run(seeds, settings, out)
+    if as_json:
+        print(json.dumps(summaries, indent=2))
+    else:
+        print_table(summaries)
 
 
 def tracking(
