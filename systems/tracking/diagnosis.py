@@ -27,6 +27,7 @@ class Evidence:
     sigma: float = float("nan")  # px, robust RMS residual
     trust: float = 1.0  # 0 to 1, how sure the keyframe's own pose was
     given: float = 0.0  # 0 to 1, how well a pose given from outside agrees
+    unproven: bool = False  # it was not tracked before, and its texture cannot be compared
     quality: float = 0.0  # 0 to 1, how closely and how strongly the nodes' edges fit: compares attempts at one image
 
     @property
@@ -43,9 +44,11 @@ class Evidence:
         if self.patches >= 8:
             # Patches that agree while the edges do not: they may have been learnt at a wrong pose.
             by_texture = self.trust * _logistic(1.2 * (self.texture - 4.5)) * min(max(0.4 + 2.0 * self.edges, 0.3), 1.0)
-            z -= 3.0 * (self.texture < 2.0)  # nothing looks as it should
+        by_edges = _logistic(z)
+        if (self.unproven or (self.patches >= 8 and self.texture < 3.0)) and self.edges < 0.85:
+            by_edges = min(by_edges, 0.45)  # edges there are everywhere
         by_hand = 0.9 * self.given * _logistic(-3.0 + 12.0 * self.edges)
-        return 1.0 - (1.0 - _logistic(z)) * (1.0 - by_texture) * (1.0 - by_hand)
+        return 1.0 - (1.0 - by_edges) * (1.0 - by_texture) * (1.0 - by_hand)
 
 
 def _logistic(z: float) -> float:

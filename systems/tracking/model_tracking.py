@@ -125,7 +125,7 @@ def step(
     if not image.size:
         state = "uncertain" if belief.state == "tracking" else belief.state
         return replace(belief, motion=ahead, state=state, time=time, number=number, nodes=0, residual_px=float("nan"))
-    sight = Sight(image, model, lens, settings, occluders_C, belief.keyframes, belief.V_CO, dt)
+    sight = Sight(image, model, lens, settings, occluders_C, belief, dt)
     best = _search(belief, ahead, sight)
     return _conclude(belief, ahead, best, sight, time, number)
 

@@ -21,7 +21,7 @@ from vipr.systems.tracking.pose_fit import (
     normal_jacobian,
 )
 from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
-from vipr.systems.tracking.texture import Keyframe, TextureFit, align, pyramid
+from vipr.systems.tracking.texture import Keyframe, TextureFit, align, choose_keyframe, pyramid, view_difference
 from vipr.systems.tracking.visible_edges import visible_nodes
 
 CLEAR = 12.0  # grey levels; much stronger edges are all alike
@@ -40,11 +40,12 @@ class Attempt:
 
 
 class Sight:
-    """What one step looks at: the image, the model, and the patch of the image that the search needs."""
+    """What one step looks at and with: the image, the model, what is known, and the patch of the image that the search needs."""
 
-    def __init__(self, image, model: CadModel, lens: Lens, settings, occluders_C, keyframes, V_CO, dt):
-        self.image, self.model, self.lens, self.settings = image, model, lens, settings
-        self.occluders_C, self.V_CO, self.dt = occluders_C, V_CO, dt
+    def __init__(self, image, model: CadModel, lens: Lens, settings, occluders_C, belief, dt: float):
+        self.image, self.model, self.lens, self.settings, self.occluders_C = image, model, lens, settings, occluders_C
+        self.keyframes, self.doubtful = belief.keyframes, belief.doubtful
+        self.X_CO_last, self.V_CO, self.dt = belief.X_CO, belief.V_CO, dt
         self.patch, self._pyramid = None, None
 
     def open(self, poses: list[np.ndarray], margin: float) -> None:
@@ -94,9 +95,23 @@ def attempt(
         )
         if corner_shift(sight.model, sight.lens, X_before, X_CO) < 0.7:
             break  # the profiles were sampled where they should be
-    return Attempt(
-        X_CO, np.linalg.inv(fit.information + 1e-3 * information), weigh(matches, fit, texture, keyframe, shown)
-    )
+    if prior is None and sight.settings.texture:
+        keyframe, texture = _recognise(sight, X_CO, information)
+    evidence = weigh(matches, fit, texture, keyframe, shown)
+    if sight.keyframes and texture is None:  # an unknown side of it: believed only if it has just turned there
+        evidence = replace(evidence, unproven=sight.doubtful > 0 or view_difference(sight.X_CO_last, X_CO) > 0.25)
+    return Attempt(X_CO, np.linalg.inv(fit.information + 1e-3 * information), evidence)
+
+
+def _recognise(sight, X_CO, information):
+    """(Keyframe, its TextureFit) where the edges have led: does it look as it should? (None, None) where it was never seen like this."""
+    keyframe = choose_keyframe(sight.keyframes, X_CO, limit=0.45)
+    if keyframe is None:
+        return None, None
+    fit = align(keyframe, sight.pyramid, sight.model, X_CO, sight.lens, (1, 0), 3, information, sight.occluders_C)
+    if corner_shift(sight.model, sight.lens, fit.X_CO, X_CO) > 3.0:
+        fit = replace(fit, agreement=0.0)  # it looks so somewhere else
+    return keyframe, fit
 
 
 def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Attempt:
