@@ -37,6 +37,7 @@ BACKGROUNDS = ("plain", "clutter")
 AWAY = se3.pose(np.eye(3), np.array([0.0, 0.0, -50.0]))  # behind the camera: not seen
 TILE = 32  # px: rendered windows are multiples of this, so that few sizes occur
 SAMPLES = 12  # sub-frames of a still picture
+APART = 1.0  # px between the sub-frames of a moving one; their shifts within the pixel fill the gaps
 
 
 class SequenceRenderer:
@@ -97,7 +98,7 @@ class SequenceRenderer:
         """(h, w, 3) RGB float32, 0 to 255, without noise.
 
         pose_at(s) gives X_CO at s [s] from the middle of the exposure (None: the object is not there), hand_at(s) X_CH likewise. Sub-frames
-        are added until neighbouring ones are at most a pixel apart.
+        are added until neighbouring ones are at most `APART` pixels apart.
         """
         if name not in self._objects:
             raise InputError(f"rendered sequences: unknown object {name!r}, there are {', '.join(self._objects)}")
@@ -107,7 +108,7 @@ class SequenceRenderer:
                 self._outline(name, pose_at(s), hand_at(s) if hand_at else None) for s in (-exposure / 2, exposure / 2)
             ]
             if all(len(e) for e in ends) and len(ends[0]) == len(ends[1]):
-                n = int(np.clip(np.ceil(np.abs(ends[1] - ends[0]).max()), samples, len(self._shifts)))
+                n = int(np.clip(np.ceil(np.abs(ends[1] - ends[0]).max() / APART), samples, len(self._shifts)))
         times = ((np.arange(n) + 0.5) / n - 0.5) * exposure
         poses = [{name: pose_at(s), "hand": hand_at(s) if hand_at else None} for s in times]
         image = self._background().copy()

@@ -56,7 +56,7 @@ def run(bench: Workbench) -> Iterator[Table]:
                     duration=length / RATE,
                     centre_O=bench.model(name).centre,
                 )
-                conditions = Conditions(samples=6, **options)
+                conditions = Conditions(samples=4, **options)
                 frames = bench.render(name, moving, length, conditions, background=background, seed=50 + seed)
                 runs.append(bench.track(name, frames))
                 if options == {"hand": "half"}:

@@ -10,7 +10,7 @@ from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 
 EXPOSURE = 0.02  # s
-CONDITIONS = Conditions(exposure=EXPOSURE, samples=6)
+CONDITIONS = Conditions(exposure=EXPOSURE, samples=4)
 
 
 def turn(bench: Workbench, name: str, axis: str, speed: float, degrees: float = 360.0) -> Frames:

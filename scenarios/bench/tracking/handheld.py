@@ -25,7 +25,7 @@ def shaken(bench: Workbench, name: str, seed: int, speed: float = SPEED, frames:
         duration=frames / RATE,
         centre_O=bench.model(name).centre,
     )
-    shown = Conditions(**{"exposure": 0.02, "hand": "holding", "samples": 6, **conditions})
+    shown = Conditions(**{"exposure": 0.02, "hand": "holding", "samples": 4, **conditions})
     return bench.render(name, moving, frames, shown, seed=seed)
 
 
