@@ -66,14 +66,14 @@ def weigh(
     N = len(matches.offset)
     if not N:
         return Evidence()
-    present = matches.strength != 0
+    present = matches.strength[:, : matches.wide] != 0
     supported = np.abs(fit.residual) < NEAR  # nan: not supported
     density = present.sum(1) * min(2.0 * NEAR / (2.0 * matches.reach + 1.0), 1.0)
     chance = float((1.0 - np.exp(-density)).mean())
     share = float((shown * supported).sum() / (shown * np.ones(N)).sum())
     edges = (share - chance) / (1.0 - chance)
     strength = np.abs(matches.strength)
-    clear = strength[np.arange(N), fit.chosen] / np.maximum(strength.max(1), 1e-9)
+    clear = np.minimum(strength[np.arange(N), fit.chosen] / np.maximum(strength[:, : matches.wide].max(1), 1e-9), 1.0)
     close = np.exp(-0.5 * np.nan_to_num(fit.residual, nan=9.0) ** 2)
     quality = float((close * (0.5 + 0.5 * clear)).mean())
     seen = (texture.significance, texture.patches) if texture is not None else (0.0, 0)

@@ -37,6 +37,8 @@ class TrackerSettings:
     dynamic_step: bool = True  # whose steps follow the velocity
     texture: bool = True  # patches learnt while tracking
     patches: int = 64  # of a keyframe
+    sharp: bool = True  # last pass with a sharp derivative: print beside an edge does not pull it
+    colour: bool = True  # edges by the strongest colour channel; else by grey
     quantised_normals: bool = False  # the paper's 0, 45, 90, 135 degrees and whole pixels
     second_try: bool = True  # other starts and longer searches when the evidence is thin
     start_search: bool = True  # look around a pose that was given, which may be tens of pixels off

@@ -12,6 +12,9 @@ import numpy as np
 
 from vipr.systems.tracking.visible_edges import Nodes
 
+SHARP = 0.7  # px, width of the derivative in the last pass: neighbouring print hardly moves its peaks
+CLEAR_OF_NOISE = 6.0  # standard deviations of the sharp derivative's noise
+
 
 @dataclass(frozen=True, eq=False)
 class Patch:
@@ -20,23 +23,23 @@ class Patch:
     grey: np.ndarray  # (h, w) float32
     origin: np.ndarray  # (2,) x, y [px]
     noise: float = 0.0  # RMS grey levels of pixel noise, estimated
+    colour: np.ndarray | None = None  # (h, w, 3) float32 BGR of a colour image
 
 
 @dataclass(frozen=True, eq=False)
 class Matches:
-    """Up to K edge hypotheses for each of N nodes, strongest first; a missing one has strength 0."""
+    """Edge hypotheses for each of N nodes; a missing one has strength 0."""
 
     offset: np.ndarray  # (N, K) px along the normal
     strength: np.ndarray  # (N, K) signed grey levels of the step, brighter on the side of +normal when positive
-    profile: np.ndarray  # (N, L) grey levels along the normal, at `step` px from -reach to reach
     reach: float  # px
-    step: float  # px
+    wide: int  # the first so many hypotheses are of the wide derivative, the others of the sharp one
 
 
-def cut_patch(image: np.ndarray, low: np.ndarray, high: np.ndarray, sigma: float = 0.7) -> Patch:
-    """The image (h, w[, 3]) uint8 between pixels low and high (2,), cut to the frame, grey, smoothed by sigma [px].
+def cut_patch(image: np.ndarray, low: np.ndarray, high: np.ndarray, colour: bool = True) -> Patch:
+    """The image (h, w[, 3]) uint8 between pixels low and high (2,), cut to the frame; with its colours if they are wanted.
 
-    An empty intersection gives a patch of one dark pixel far away, on which no edge is ever found.
+    An empty intersection gives a patch of a few dark pixels far away, on which no edge is ever found.
     """
     height, width = image.shape[:2]
     x0, y0 = (int(max(v, 0)) for v in np.floor(low))
@@ -46,11 +49,8 @@ def cut_patch(image: np.ndarray, low: np.ndarray, high: np.ndarray, sigma: float
     part = image[y0:y1, x0:x1]
     grey = cv2.cvtColor(part, cv2.COLOR_BGR2GRAY) if part.ndim == 3 else part
     grey = grey.astype(np.float32)
-    noise = _noise(grey)
-    if sigma > 0:
-        size = 2 * int(np.ceil(2.0 * sigma)) - 1
-        grey = cv2.GaussianBlur(grey, (size, size), sigma, borderType=cv2.BORDER_REPLICATE)
-    return Patch(grey, np.array([x0, y0], float), noise)
+    shades = part.astype(np.float32) if colour and part.ndim == 3 else None
+    return Patch(grey, np.array([x0, y0], float), _noise(grey), shades)
 
 
 def _noise(grey):
@@ -65,7 +65,10 @@ def _noise(grey):
 def sample_profiles(
     patch: Patch, pixel: np.ndarray, normal: np.ndarray, reach: float, step: float = 1.0, across: int = 3
 ) -> np.ndarray:
-    """Grey levels (N, L) along the normals from -reach to reach [px], each the mean of `across` parallel lines 1 px apart."""
+    """Grey levels (N, L), or colours (N, L, 3), along the normals from -reach to reach [px].
+
+    Each is the mean of `across` parallel lines 1 px apart.
+    """
     s = np.arange(-np.ceil(reach / step), np.ceil(reach / step) + 1) * step
     if not len(pixel):
         return np.zeros((0, len(s)), np.float32)
@@ -76,10 +79,13 @@ def sample_profiles(
     if across > 1:
         side = (np.arange(across, dtype=np.float32) - np.float32(0.5 * (across - 1)))[:, None, None]
         x, y = x - side * n[:, 1:], y + side * n[:, :1]
+    source = patch.grey if patch.colour is None else patch.colour
     values = cv2.remap(
-        patch.grey, x.reshape(-1, len(s)), y.reshape(-1, len(s)), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        source, x.reshape(-1, len(s)), y.reshape(-1, len(s)), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
     )
-    return values.reshape(across, -1, len(s)).sum(0) * np.float32(1.0 / across) if across > 1 else values
+    if across == 1:
+        return values
+    return values.reshape(across, -1, *values.shape[1:]).sum(0) * np.float32(1.0 / across)
 
 
 @lru_cache(maxsize=32)
@@ -95,49 +101,60 @@ def find_edges(
     patch: Patch,
     nodes: Nodes,
     reach: float,
-    step: float = 1.0,
-    sigma: float = 1.3,
+    *,
+    sigma: float = 1.5,
     contrast: float = 4.0,
     hypotheses: int = 4,
     across: int = 3,
     quantise: bool = False,
+    sharp_reach: float = 0.0,
 ) -> Matches:
     """Edges within reach [px] along each node's normal: local maxima of the gradient of at least `contrast` grey levels.
 
-    sigma [px] is the width of the derivative. With `quantise`, normals are rounded to multiples of 45 degrees and
-    places to whole pixels, as the paper has it.
+    sigma [px] is the width of the derivative; in a colour image each place counts by its strongest channel. With sharp_reach,
+    as many edges more are given within that distance by a derivative of width SHARP, where they are clear of the noise. With
+    `quantise`, normals are rounded to multiples of 45 degrees and places to whole pixels, as the paper has it.
     """
+    step = 0.5 if sharp_reach > 0 else 1.0
     normal = quantised(nodes.normal) if quantise else nodes.normal
     kernel = _derivative_kernel(sigma, step)
-    margin = kernel.shape[1] // 2 * step
-    raw = sample_profiles(patch, nodes.pixel, normal, reach + margin + step, step, across)
-    count, K = len(nodes), hypotheses
-    m = round(margin / step) + 1
-    if not count:
-        return Matches(np.zeros((0, K)), np.zeros((0, K)), raw, reach, step)
+    margin = kernel.shape[1] // 2 + 1  # one sample more at each end, for the parabola
+    K = hypotheses
+    if not len(nodes):
+        columns = K * (1 + (sharp_reach > 0))
+        return Matches(np.zeros((0, columns)), np.zeros((0, columns)), reach, K)
+    raw = sample_profiles(patch, nodes.pixel, normal, reach + margin * step, step, across)
+    offset, strength = _peaks(raw, kernel, margin, step, contrast, K, quantise)
+    if sharp_reach > 0:
+        skip = margin + round((reach - sharp_reach) / step)
+        floor = max(contrast, CLEAR_OF_NOISE * 0.6 * patch.noise)
+        sharp = _peaks(raw, _derivative_kernel(SHARP, step), skip, step, floor, K, quantise)
+        offset, strength = np.concatenate([offset, sharp[0]], 1), np.concatenate([strength, sharp[1]], 1)
+    if quantise:  # a step along a rounded normal is longer or shorter along the true one
+        offset = offset * (normal * nodes.normal).sum(1)[:, None]
+    return Matches(offset, strength, reach, K)
+
+
+def _peaks(raw, kernel, margin, step, contrast, count, whole):
+    """Places (N, count) [px] and signed strengths of the strongest gradients of profiles, leaving out margin samples at each end."""
     response = cv2.filter2D(raw, cv2.CV_32F, kernel, borderType=cv2.BORDER_REPLICATE)
-    response = response[:, m - 1 : raw.shape[1] - m + 1]  # one more at each end, for the parabola
+    response = response[:, margin - 1 : raw.shape[1] - margin + 1]
     magnitude = np.abs(response)
+    if response.ndim == 3:  # the strongest channel
+        channel = magnitude.argmax(2)[..., None]
+        response = np.take_along_axis(response, channel, 2)[..., 0]
+        magnitude = np.take_along_axis(magnitude, channel, 2)[..., 0]
     centre = magnitude[:, 1:-1]
     peak = (centre >= magnitude[:, :-2]) & (centre > magnitude[:, 2:]) & (centre > contrast)
-    score = np.where(peak, centre, 0.0)
-    best = (
-        np.argpartition(-score, K, axis=1)[:, :K]
-        if score.shape[1] > K
-        else np.arange(score.shape[1])[None].repeat(count, 0)
-    )
-    rows = np.arange(count)[:, None]
-    strength = score[rows, best]
+    score = centre * peak
+    length = score.shape[1]
+    best = np.argpartition(score, length - count, axis=1)[:, length - count :]
+    rows = np.arange(len(raw))[:, None]
     left, mid, right = magnitude[rows, best], magnitude[rows, best + 1], magnitude[rows, best + 2]
-    curvature = left - 2.0 * mid + right
-    shift = np.where(curvature < -1e-6, 0.5 * (left - right) / np.minimum(curvature, -1e-6), 0.0)
-    if quantise:
-        shift = np.zeros_like(shift)
-    offset = (best + shift - (score.shape[1] - 1) / 2) * step
-    if quantise:  # a step along a rounded normal is longer or shorter along the true one
-        offset = offset * np.einsum("nd,nd->n", normal, nodes.normal)[:, None]
-    strength = np.where(strength > 0, response[rows, best + 1], 0.0)
-    return Matches(offset.astype(float), strength.astype(float), raw[:, m:-m], reach, step)
+    curvature = np.minimum(left - 2.0 * mid + right, -1e-6)
+    shift = 0.0 if whole else np.clip(0.5 * (left - right) / curvature, -1.0, 1.0)
+    offset = (best + shift - 0.5 * (length - 1)) * step
+    return offset.astype(float), (response[rows, best + 1] * peak[rows, best]).astype(float)
 
 
 def quantised(normal: np.ndarray) -> np.ndarray:

@@ -27,6 +27,7 @@ from vipr.systems.tracking.visible_edges import visible_nodes
 CLEAR = 12.0  # grey levels; much stronger edges are all alike
 GIVEN_IS_GOOD = 0.6  # score at which a pose given from outside is believed at once
 NEARBY = 12.0  # px
+SHARP_REACH = 3.0  # px
 FOLLOWED = 4.0  # significance from which a texture alignment is followed
 
 
@@ -53,7 +54,7 @@ class Sight:
         corners = np.concatenate([self.model.corners @ X[:3, :3].T + X[:3, 3] for X in poses])
         corners = corners[corners[:, 2] > 1e-3]
         pixel = self.lens.project(corners) if len(corners) else np.full((1, 2), -1e6)
-        self.patch = cut_patch(self.image, pixel.min(0) - margin, pixel.max(0) + margin)
+        self.patch = cut_patch(self.image, pixel.min(0) - margin, pixel.max(0) + margin, self.settings.colour)
         self._pyramid = None
 
     @property
@@ -88,13 +89,23 @@ def attempt(
         X_CO = _find_far(sight, X_CO, sight.settings.reach * (2.0 if far else 1.0))
     # What is wrong with an edge in one frame is wrong in the next: the keyframe's pose has counted it already.
     X_aim, doubt = X_CO, 1.0 if prior is None else 4.0
-    for _ in range(3):
+    sharp = prior is not None
+    for _ in range(4):
         X_before = X_CO
         X_CO, fit, matches, shown = edge_pass(
-            sight, X_CO, sight.settings.fine_reach, (2.0, 1.3), _about(X_CO, X_aim, prior), doubt, texture
+            sight,
+            X_CO,
+            sight.settings.fine_reach,
+            (1.3,) if sharp else (2.0, 1.3),
+            _about(X_CO, X_aim, prior),
+            doubt,
+            texture,
+            sharp,
         )
-        if corner_shift(sight.model, sight.lens, X_before, X_CO) < 0.7:
+        near = corner_shift(sight.model, sight.lens, X_before, X_CO) < 0.7
+        if near and (sharp or not sight.settings.sharp):
             break  # the profiles were sampled where they should be
+        sharp = near and sight.settings.sharp
     if prior is None and sight.settings.texture:
         keyframe, texture = _recognise(sight, X_CO, information)
     evidence = weigh(matches, fit, texture, keyframe, shown)
@@ -127,7 +138,9 @@ def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Att
     if not believed and sight.settings.start_search:
         best = _acquire_far(sight, X_CO_given, covariance, best, agreement)
         off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
-    X, fit, matches, _ = edge_pass(sight, best.X_CO, sight.settings.fine_reach, (2.0, 1.3), Prior(off, agreement * aim))
+    X, fit, matches, _ = edge_pass(
+        sight, best.X_CO, sight.settings.fine_reach, (1.3,), Prior(off, agreement * aim), sharp=True
+    )
     evidence = replace(weigh(matches, fit), given=agreement)
     return Attempt(X, np.linalg.inv(fit.information + 1e-3 * np.linalg.inv(covariance)), evidence)
 
@@ -178,11 +191,15 @@ def edge_pass(
     prior: Prior | None = None,
     doubt: float = 1.0,
     texture: TextureFit | None = None,
+    sharp: bool = False,
 ):
-    """Nodes, edges within reach [px] and one robust fit: (pose, Fit, Matches, how far the texture shows each node uncovered)."""
+    """Nodes, edges within reach [px] and one robust fit: (pose, Fit, Matches, how far the texture shows each node uncovered).
+
+    sharp: near the pose the sharp derivative decides, wherever the edge is clear of the noise, and the nearest edge wins.
+    """
     settings = sight.settings
     nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
-    matches = _look(sight, nodes, reach)
+    matches = _look(sight, nodes, reach, SHARP_REACH if sharp and settings.sharp else 0.0)
     J = normal_jacobian(nodes, X_CO, sight.lens)
     shown = _shown(nodes.pixel, texture)
     fit = fit_pose(
@@ -209,13 +226,18 @@ def _shown(pixel, texture):
 
 
 def preferences(matches):
-    """(N, K) 0 to 1: the strongest edge of a node counts fully, others by how clear they are beside it."""
+    """(N, K) 0 to 1: the strongest edge of a node counts fully, others by how clear they are beside it; sharp ones count all alike."""
     strength = np.abs(matches.strength)
     certain = strength / (strength + CLEAR)
-    return certain / np.maximum(certain.max(1, keepdims=True, initial=0.0), 1e-9)
+    wide, sharp = certain[:, : matches.wide], strength[:, matches.wide :] > 0
+    wide = wide / np.maximum(wide.max(1, keepdims=True, initial=0.0), 1e-9)
+    if not sharp.shape[1]:
+        return wide
+    wide = np.where(sharp.any(1, keepdims=True), 0.3 * wide, wide)
+    return np.concatenate([wide, sharp], 1)
 
 
-def _look(sight, nodes, reach):
+def _look(sight, nodes, reach, sharp_reach=0.0):
     contrast = max(sight.settings.contrast, 0.8 * sight.patch.noise)
     return find_edges(
         sight.patch,
@@ -224,6 +246,7 @@ def _look(sight, nodes, reach):
         contrast=contrast,
         hypotheses=sight.settings.hypotheses,
         quantise=sight.settings.quantised_normals,
+        sharp_reach=sharp_reach,
     )
 
 

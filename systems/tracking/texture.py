@@ -318,7 +318,7 @@ def align(
         correlation = 1.0 - 0.5 * misfit[alive]
         best = 1.0 - 0.5 * (typical - 0.02)
         right = correlation > ALIKE
-        if kept is not None and best < 0.6 and kept.correlation > best:
+        if kept is not None and float(right.mean() if len(right) else 0.0) < kept.agreement - 0.15:
             d = d_start
             break  # blurred: the finer level has nothing to add
         X = move(view.X_CO, d)
