@@ -1,0 +1,209 @@
+"""Trajectories of a hand or a pen made comparable: cleaned, resampled, normalised, described (paper, II-A.3).
+
+A trajectory is an array (T, d) of positions at equal time steps or a ``Trajectory`` with time stamps. Coordinates come in pairs
+(x, y), one pair a hand; any unit will do, y may point up or down as long as it always does. Everything here works on many
+trajectories at once: raw ones lie end to end, resampled ones are (N, T, d).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from vipr.systems.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Positions (T, d) with their times (T,) in seconds."""
+
+    points: np.ndarray
+    times: np.ndarray
+
+    def __len__(self):
+        return len(self.points)
+
+
+@dataclass(frozen=True)
+class Stream:
+    """One description of a trajectory, the observations of one family of HMMs."""
+
+    features: tuple[str, ...] = ("position", "direction")  # of FEATURES
+    sampling: str = "arc"  # arc: equal steps of arc length; time: equal steps of time
+    points: int = 32
+    smoothing: int = 1  # passes of a (1 2 1)/4 filter over the resampled points
+    scale: str = "spread"  # spread: unit RMS distance from the centroid; box: unit longer side; none: as given, not centred either
+
+    def __post_init__(self):
+        for name, value, allowed in (
+            ("sampling", self.sampling, ("arc", "time")),
+            ("scale", self.scale, ("spread", "box", "none")),
+        ):
+            if value not in allowed:
+                raise InputError(f"gesture stream: {name} is one of {', '.join(allowed)}, got {value!r}")
+        unknown = [f for f in self.features if f not in FEATURES]
+        if unknown or not self.features or self.points < 4 or self.smoothing < 0:
+            raise InputError(
+                f"gesture stream: features are among {', '.join(FEATURES)}, at least 4 points, smoothing not negative; "
+                f"got {self.features}, {self.points} points, smoothing {self.smoothing}"
+            )
+
+
+def clean(trajectory) -> Trajectory | None:
+    """The finite points in order of time, or None if fewer than two different positions remain.
+
+    A point that is not finite, or not later than all before it, is dropped.
+    """
+    if isinstance(trajectory, Trajectory):
+        points, times = np.asarray(trajectory.points, float), np.asarray(trajectory.times, float)
+    else:
+        points = np.asarray(trajectory, float)
+        times = np.arange(len(points), dtype=float) if points.ndim else np.zeros(0)
+    if points.ndim != 2 or len(points) < 2 or times.shape != (len(points),):
+        return None
+    finite = np.isfinite(points).all(axis=1) & np.isfinite(times)
+    if not finite.all():
+        points, times = points[finite], times[finite]
+    if len(times) < 2:
+        return None
+    later = np.r_[True, times[1:] > np.maximum.accumulate(times)[:-1]]
+    if not later.all():
+        points, times = points[later], times[later]
+    if len(points) < 2 or not (np.ptp(points, axis=0).max() > 1e-9 * (1.0 + np.abs(points).max())):
+        return None
+    return Trajectory(points, times)
+
+
+def resample(trajectories: list[Trajectory], sampling: str, count: int) -> np.ndarray:
+    """(N, count, d): cleaned trajectories at equal steps of time or of arc length, first and last point kept."""
+    lengths = np.array([len(t) for t in trajectories])
+    points = np.concatenate([t.points for t in trajectories])
+    first = np.r_[0, np.cumsum(lengths)[:-1]]
+    if sampling == "time":
+        progress = np.concatenate([t.times for t in trajectories])
+        progress = progress - np.repeat(progress[first], lengths)
+    else:
+        steps = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=1)]
+        steps[first] = 0.0
+        progress = _running(steps, lengths, first)
+    total = progress[first + lengths - 1]
+    return _interpolate(points, progress / np.repeat(total, lengths), lengths, count)
+
+
+def even(points: np.ndarray) -> np.ndarray:
+    """(N, T, d) resampled at equal steps of arc length."""
+    N, T, d = points.shape
+    steps = np.linalg.norm(np.diff(points, axis=1), axis=2)
+    progress = np.zeros((N, T))
+    np.cumsum(steps, axis=1, out=progress[:, 1:])
+    progress /= np.maximum(progress[:, -1:], 1e-300)
+    return _interpolate(points.reshape(-1, d), progress.ravel(), np.full(N, T), T)
+
+
+def _running(steps, lengths, first):
+    total = np.cumsum(steps)
+    return total - np.repeat(total[first] - steps[first], lengths)
+
+
+def _interpolate(points, progress, lengths, count):
+    """One call for all: the progress 0..1 of the n-th trajectory is moved to 2n..2n+1."""
+    n = np.arange(len(lengths))
+    known = progress + 2.0 * np.repeat(n, lengths)
+    wanted = (np.linspace(0.0, 1.0, count) + 2.0 * n[:, None]).ravel()
+    return np.stack([np.interp(wanted, known, c) for c in points.T], axis=-1).reshape(len(lengths), count, -1)
+
+
+def smooth(points: np.ndarray, passes: int) -> np.ndarray:
+    """(1 2 1)/4 along time, ends kept."""
+    for _ in range(passes):
+        new = points.copy()
+        new[:, 1:-1] = 0.5 * points[:, 1:-1] + 0.25 * (points[:, :-2] + points[:, 2:])
+        points = new
+    return points
+
+
+def normalise(points: np.ndarray, scale: str = "spread") -> np.ndarray:
+    """Independent of position and size: centroid at zero, unit spread or unit box."""
+    if scale == "none":
+        return points
+    centred = points - points.mean(axis=1, keepdims=True)
+    if scale == "box":
+        size = np.ptp(centred, axis=1).max(axis=1)
+    else:
+        size = np.sqrt((centred**2).sum(axis=2).mean(axis=1) * (2.0 / points.shape[2]))
+    return centred / np.maximum(size, 1e-12)[:, None, None]
+
+
+def _velocity(points):
+    """Central differences per unit of the whole duration (time) or length (arc), a tenth of it as unit."""
+    return np.gradient(points, axis=1) * (0.1 * (points.shape[1] - 1))
+
+
+def _direction(points):
+    v = np.gradient(points, axis=1)
+    return v / np.maximum(np.linalg.norm(v, axis=2, keepdims=True), 1e-9)
+
+
+def _turning(points):
+    """Sine and cosine of the turn from the direction before to the direction after a point, for each pair of coordinates."""
+    D = _direction(points)
+    before, after = D[:, :-2], D[:, 2:]
+    pairs = points.shape[2] // 2
+    if pairs == 0:
+        return np.zeros((*points.shape[:2], 0))
+    bx, by, ax, ay = before[..., 0::2], before[..., 1::2], after[..., 0::2], after[..., 1::2]
+    turn = np.concatenate([bx[..., :pairs] * ay - by * ax[..., :pairs], bx[..., :pairs] * ax[..., :pairs] + by * ay], axis=-1)
+    return np.concatenate([turn[:, :1], turn, turn[:, -1:]], axis=1)
+
+
+def _box(points):
+    """Each axis from -1/2 to 1/2, but no axis stretched more than the longest over 0.3."""
+    low, high = points.min(axis=1, keepdims=True), points.max(axis=1, keepdims=True)
+    size = high - low
+    size = np.maximum(size, 0.3 * size.max(axis=2, keepdims=True))
+    return (points - 0.5 * (low + high)) / np.maximum(size, 1e-12)
+
+
+FEATURES = {
+    "position": lambda points: points,
+    "velocity": _velocity,
+    "direction": _direction,
+    "turning": _turning,
+    "box": _box,
+}
+
+
+def describe(points: np.ndarray, stream: Stream) -> np.ndarray:
+    """Observations (N, T, D) of resampled points (N, T, d)."""
+    points = normalise(smooth(points, stream.smoothing), stream.scale)
+    return np.concatenate([FEATURES[f](points) for f in stream.features], axis=-1)
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """How far another hand's version of a gesture may differ: standard deviations."""
+
+    rotation: float = 0.12  # rad
+    slant: float = 0.25  # shear, x per y
+    aspect: float = 0.15  # log of the stretch in x, its inverse in y
+    bend: float = 0.05  # slow displacement along the stroke, in units of the gesture's spread
+
+
+def distort(points: np.ndarray, sampling: str, rng: np.random.Generator, how: Distortion) -> np.ndarray:
+    """Another writer's version of each trajectory (N, T, d): an affine change and a smooth bend; odd last coordinates only bend."""
+    N, T, d = points.shape
+    centre = points.mean(axis=1, keepdims=True)
+    centred = points - centre
+    spread = np.sqrt((centred**2).sum(axis=2).mean(axis=1) * (2.0 / d))
+    angle, slant, stretch = rng.normal(0.0, 1.0, (3, N)) * np.array([how.rotation, how.slant, how.aspect])[:, None]
+    c, s, e = np.cos(angle), np.sin(angle), np.exp(stretch)
+    A = np.stack([np.stack([c * e, c * slant - s / e], -1), np.stack([s * e, s * slant + c / e], -1)], -2)
+    pairs = d // 2
+    out = centred.copy()
+    out[..., : 2 * pairs] = np.einsum("nij,ntpj->ntpi", A, centred[..., : 2 * pairs].reshape(N, T, pairs, 2)).reshape(N, T, -1)
+    wave = np.arange(1, 5)
+    amplitude = rng.normal(0.0, 1.0, (N, d, 4)) * (how.bend * spread[:, None, None] / np.sqrt(wave))
+    phase = rng.uniform(0.0, 2.0 * np.pi, (N, d, 4))
+    arc = np.pi * wave[:, None] * np.linspace(0.0, 1.0, T)
+    bend = np.concatenate([amplitude * np.cos(phase), -amplitude * np.sin(phase)], -1) @ np.concatenate([np.cos(arc), np.sin(arc)])
+    out += np.swapaxes(bend, 1, 2)
+    out += centre
+    return even(out) if sampling == "arc" else out
