@@ -231,3 +231,39 @@ def _transitions(counts, states):
     last = np.arange(counts.shape[1]) >= states[:, None] - 1
     with np.errstate(divide="ignore"):
         return np.where(last, 0.0, np.log(share[..., 0])), np.where(last, -np.inf, np.log(share[..., 1]))
+
+
+def choose_states(x, lengths, model, spec: HmmSpec, candidates=(4, 6, 8, 10, 12), margin: float = 0.01) -> np.ndarray:
+    """(M,) number of states of each model, by the log likelihood of held-out sequences.
+
+    Two halves take turns; the fewest states within ``margin`` nats a point of the best are taken. A model with fewer than four
+    sequences keeps ``spec.states``.
+    """
+    models = int(model.max()) + 1
+    half = np.zeros(len(model), int)
+    for m in range(models):
+        members = np.flatnonzero(model == m)
+        half[members] = np.arange(len(members)) % 2
+    enough = np.bincount(model, minlength=models) >= 4
+    kept = enough[model]
+    if not kept.any():
+        return np.full(models, spec.states)
+    number = np.cumsum(enough) - 1
+    quick = HmmSpec(spec.states, 1, spec.covariance, spec.floor, max(spec.prior, 1.0), segmental=6, baum_welch=3)
+    held = np.zeros((len(candidates), models))
+    for row, states in zip(held, candidates, strict=True):
+        for h in (0, 1):
+            train_on, test_on = kept & (half != h), kept & (half == h)
+            bank = train(x[train_on], lengths[train_on], number[model[train_on]], HmmSpec(**{**quick.__dict__, "states": states}))
+            own = own_score(bank, x[test_on], lengths[test_on], number[model[test_on]])
+            np.add.at(row, model[test_on], own / lengths[test_on])
+    held /= np.maximum(np.bincount(model, minlength=models), 1)
+    chosen = np.array(candidates)[(held >= held.max(axis=0) - margin).argmax(axis=0)]
+    return np.where(enough, chosen, spec.states)
+
+
+def own_score(bank: HmmBank, x: np.ndarray, lengths: np.ndarray, model: np.ndarray) -> np.ndarray:
+    """(N,) log likelihood of each sequence under its own model only."""
+    statistics = _Statistics(x, lengths, model, len(bank.means))
+    alpha = forward(_own_emissions(bank, statistics)[0], *_own_transitions(bank, statistics))
+    return log_sum(alpha[lengths - 1, np.arange(len(lengths))])

@@ -1,0 +1,113 @@
+"""Drawings and gestures through the camera: rendered person, imperfect image, tracker of face and hands; kept on disk once made.
+
+A film is what the tracker reported, frame by frame: a table (n, 3, 2) of face, left and right hand in pixels, with NaN where a part
+has not been seen yet. A reel is the films of one person in one sitting, filmed together and cached as one file.
+"""
+
+import hashlib
+import os
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+RATE = 25.0  # Hz
+HOLD = 6  # frames that the hands stay where a gesture ended
+
+
+@dataclass(frozen=True, eq=False)
+class Reel:
+    """Films of one person: ``positions`` and ``seen`` are lists of (n, 3, 2) and (n, 3), ``labels`` and ``bounds`` one a film."""
+
+    labels: np.ndarray  # (N,) str
+    positions: list[np.ndarray]
+    seen: list[np.ndarray]
+    bounds: np.ndarray  # (N, 2) first and last frame of the gesture proper
+    person: str
+    targets: np.ndarray  # (N, 2) direction pointed to, unit vector in the image (x right, y up); NaN where none
+
+
+def cache_folder(folder: Path | None = None) -> Path:
+    """Where reels are kept: the folder given, ``VIPR_CACHE`` or ``~/.cache/vipr``."""
+    base = folder or Path(os.environ.get("VIPR_CACHE") or Path.home() / ".cache" / "vipr")
+    base.mkdir(parents=True, exist_ok=True)
+    return base
+
+
+def reel(name: str, person: str, paths, labels, bounds, targets=None, *, camera: str, seed: int, folder: Path, tick=lambda n: None) -> Reel:
+    """The reel of these hand paths (``HandPaths``), filmed or read from the cache.
+
+    ``camera`` is "rendered" (living room and tracker) or "stand-in" (projection with 1 px of noise). ``tick(frames)`` is called a film.
+    The file's name carries a hash of the paths, the person, the seed and the camera.
+    """
+    digest = hashlib.sha256(f"2 {camera} {person} {seed}".encode())
+    for path in paths:
+        for hand in (path.right, path.left):
+            digest.update(b"-" if hand is None else np.round(hand, 6).tobytes())
+    file = folder / f"{name}-{digest.hexdigest()[:16]}.npz"
+    table = _read(file)
+    if table is None:
+        films = (_rendered if camera == "rendered" else _stand_in)(paths, seed, tick)
+        table = {
+            "positions": np.concatenate([p for p, _ in films]).astype(np.float32),
+            "seen": np.concatenate([s for _, s in films]),
+            "lengths": np.array([len(p) for p, _ in films]),
+        }
+        part = file.with_suffix(f".{os.getpid()}.part")
+        with part.open("wb") as out:
+            np.savez_compressed(out, **table)
+        part.replace(file)
+    else:
+        for path in paths:
+            tick(len(path))
+    cuts = np.cumsum(table["lengths"])[:-1]
+    return Reel(
+        np.asarray(labels), np.split(table["positions"].astype(float), cuts), np.split(table["seen"], cuts), np.asarray(bounds), person,
+        np.full((len(labels), 2), np.nan) if targets is None else np.asarray(targets, float),
+    )  # fmt: skip
+
+
+def _read(file):
+    try:
+        with np.load(file, allow_pickle=False) as table:
+            return {k: table[k] for k in ("positions", "seen", "lengths")}
+    except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile):
+        return None
+
+
+def _rendered(paths, seed, tick):
+    from vipr.scenarios.living_room_film import film_gestures
+
+    films = []
+    for film in film_gestures([_greeting(), *paths], seed=seed, truth=False):
+        films.append((film.tracks.positions, film.tracks.seen))
+        tick(len(film.tracks.time))
+    return films[1:]
+
+
+def _greeting():
+    """Both hands move about for 2.4 s before a sitting begins: the tracker learns skin, room and hands."""
+    from vipr.scenarios.person_motion import HandPaths
+
+    turn = np.linspace(0.0, 4.0 * np.pi, 60)
+    wave = np.column_stack([np.full(60, 0.36), 0.12 * np.sin(turn), 0.1 * np.cos(turn) - 0.2])
+    return HandPaths(right=wave + (0.0, -0.34, 0.0), left=wave * (1.0, -1.0, 1.0) + (0.0, 0.34, 0.0))
+
+
+def _stand_in(paths, seed, tick):
+    """A camera in name only: hands projected from 2.1 m, each seen with 1 px of noise, nothing hidden."""
+    from vipr.models.person.generate import BODIES
+    from vipr.scenarios.person_motion import rest
+
+    rng = np.random.default_rng(seed)
+    body = BODIES[str(rng.choice(list(BODIES)))]
+    films = []
+    for path in paths:
+        n = len(path)
+        hands = [np.repeat(rest(body, side)[None], n, 0) if p is None else p for side, p in (("left", path.left), ("right", path.right))]
+        parts = [np.tile([0.1, 0.0, 0.25], (n, 1)), *hands]
+        pixels = [np.column_stack([79.5 + 184.0 * p[:, 1] / (2.1 - p[:, 0]), 60.0 - 184.0 * p[:, 2] / (2.1 - p[:, 0])]) for p in parts]
+        films.append((np.stack(pixels, axis=1) + rng.normal(0.0, 1.0, (n, 3, 2)), np.ones((n, 3), bool)))
+        tick(n)
+    return films
