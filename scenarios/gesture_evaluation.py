@@ -47,7 +47,10 @@ class Evaluation:
                 for k in folds
             ],
             "per_class": {
-                str(c): {"accuracy_percent": round(self.accuracy(self.truth == c), 3), "sequences": int((self.truth == c).sum())}
+                str(c): {
+                    "accuracy_percent": round(self.accuracy(self.truth == c), 3),
+                    "sequences": int((self.truth == c).sum()),
+                }
                 for c in np.unique(self.truth)
             },
             "ms_per_sequence": round(1000.0 * sum(self.test_seconds) / n, 3),
@@ -63,13 +66,17 @@ def confusion(truth: np.ndarray, answer: np.ndarray) -> tuple[np.ndarray, np.nda
     return counts, labels
 
 
-def select(table: GestureTable, min_per_class: int = 0, max_per_writer_class: int = 0, classes: list[str] | None = None) -> GestureTable:
+def select(
+    table: GestureTable, min_per_class: int = 0, max_per_writer_class: int = 0, classes: list[str] | None = None
+) -> GestureTable:
     """Labelled rows of the classes with enough sequences, the first few of each writer and class in the table's order; 0: no limit."""
     keep = table.labels != ""
     if classes:
         missing = sorted(set(classes) - set(table.labels))
         if missing:
-            raise InputError(f"--classes: the table has no {', '.join(missing)}; it has {', '.join(np.unique(table.labels[keep]))}")
+            raise InputError(
+                f"--classes: the table has no {', '.join(missing)}; it has {', '.join(np.unique(table.labels[keep]))}"
+            )
         keep &= np.isin(table.labels, classes)
     names, counts = np.unique(table.labels[keep], return_counts=True)
     keep &= np.isin(table.labels, names[counts >= min_per_class])
@@ -114,7 +121,15 @@ def cross_validate(make, table: GestureTable, fold: np.ndarray, tick=lambda shar
     result = _empty(len(table))
     for n, k in enumerate(numbers):
         held = fold == k
-        _run(make(), table.choose(~held), table.choose(held), result, np.flatnonzero(held), n, lambda s, n=n: tick((n + s) / len(numbers)))
+        _run(
+            make(),
+            table.choose(~held),
+            table.choose(held),
+            result,
+            np.flatnonzero(held),
+            n,
+            lambda s, n=n: tick((n + s) / len(numbers)),
+        )
     return result
 
 

@@ -29,12 +29,18 @@ def confusion_picture(truth: np.ndarray, answer: np.ndarray, path: Path, title: 
     _save(figure, path)
 
 
-def rejection_picture(false_rejection: np.ndarray, false_acceptance: np.ndarray, here: tuple[float, float], path: Path, title: str) -> None:
+def rejection_picture(
+    false_rejection: np.ndarray, false_acceptance: np.ndarray, here: tuple[float, float], path: Path, title: str
+) -> None:
     """Write the curve of false acceptance over false rejection (percent) with the working point ``here``."""
     figure, axes = _figure(4.6)
     axes.plot(false_rejection, false_acceptance, color="0.2")
-    axes.plot(*here, "o", color="tab:red", label=f"threshold in use: {here[1]:.1f} % accepted, {here[0]:.1f} % rejected")
-    axes.set(xlabel="gestures rejected [%]", ylabel="non-gestures accepted [%]", xlim=(0, 20), ylim=(0, 20), title=title)
+    axes.plot(
+        *here, "o", color="tab:red", label=f"threshold in use: {here[1]:.1f} % accepted, {here[0]:.1f} % rejected"
+    )
+    axes.set(
+        xlabel="gestures rejected [%]", ylabel="non-gestures accepted [%]", xlim=(0, 20), ylim=(0, 20), title=title
+    )
     axes.grid(alpha=0.3)
     axes.legend(fontsize=8)
     _save(figure, path)

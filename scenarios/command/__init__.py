@@ -8,7 +8,7 @@ import sys
 
 import typer
 
-from vipr.scenarios.command import bench, hands, run, track
+from vipr.scenarios.command import bench, gestures, hands, run, track
 from vipr.scenarios.command.output import print_error
 from vipr.systems.errors import InputError
 
@@ -23,6 +23,7 @@ app = typer.Typer(
 run.register(app)
 track.register(app)
 hands.register(app)
+gestures.register(app)
 bench.register(app)
 
 

@@ -12,7 +12,9 @@ MinOption = Annotated[int, typer.Option(min=0, help="Leave out classes with fewe
 MaxOption = Annotated[int, typer.Option(min=0, help="Take at most so many sequences of each writer and class; 0: all.")]
 ClassesOption = Annotated[str, typer.Option(help="Only these classes, separated by commas.")]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of splits and of training.")]
-ModelsOption = Annotated[str, typer.Option(help="default, or position, velocity, combined: the 4-state models of the paper's Table II.")]
+ModelsOption = Annotated[
+    str, typer.Option(help="default, or position, velocity, combined: the 4-state models of the paper's Table II.")
+]
 StatesOption = Annotated[str, typer.Option(help="States of every model: a number, or validated (chosen per gesture).")]
 
 
@@ -86,7 +88,9 @@ def recognise(
 def evaluate(
     data: DataOption,
     test: Annotated[Path | None, typer.Option(help="Test on this table, train on all of --data.")] = None,
-    split: Annotated[str, typer.Option(help="writer:K, writer:all or random:K: what is held out in turn.")] = "writer:5",
+    split: Annotated[
+        str, typer.Option(help="writer:K, writer:all or random:K: what is held out in turn.")
+    ] = "writer:5",
     min_per_class: MinOption = 0,
     max_per_writer_class: MaxOption = 0,
     classes: ClassesOption = "",
@@ -112,7 +116,13 @@ def evaluate(
         fold = fold_of(table, split, seed)
         with _progress(f"{int(fold.max()) + 1} folds") as tick:
             result = cross_validate(make, table, fold, tick)
-    summary = {"data": str(data), "test": str(test) if test else None, "split": None if test else split, "models": models, "seed": seed}
+    summary = {
+        "data": str(data),
+        "test": str(test) if test else None,
+        "split": None if test else split,
+        "models": models,
+        "seed": seed,
+    }
     summary |= result.summary()
     if picture is not None:
         from vipr.scenarios.gesture_pictures import confusion_picture

@@ -35,7 +35,19 @@ def cache_folder(folder: Path | None = None) -> Path:
     return base
 
 
-def reel(name: str, person: str, paths, labels, bounds, targets=None, *, camera: str, seed: int, folder: Path, tick=lambda n: None) -> Reel:
+def reel(
+    name: str,
+    person: str,
+    paths,
+    labels,
+    bounds,
+    targets=None,
+    *,
+    camera: str,
+    seed: int,
+    folder: Path,
+    tick=lambda n: None,
+) -> Reel:
     """The reel of these hand paths (``HandPaths``), filmed or read from the cache.
 
     ``camera`` is "rendered" (living room and tracker) or "stand-in" (projection with 1 px of noise). ``tick(frames)`` is called a film.
@@ -105,9 +117,15 @@ def _stand_in(paths, seed, tick):
     films = []
     for path in paths:
         n = len(path)
-        hands = [np.repeat(rest(body, side)[None], n, 0) if p is None else p for side, p in (("left", path.left), ("right", path.right))]
+        hands = [
+            np.repeat(rest(body, side)[None], n, 0) if p is None else p
+            for side, p in (("left", path.left), ("right", path.right))
+        ]
         parts = [np.tile([0.1, 0.0, 0.25], (n, 1)), *hands]
-        pixels = [np.column_stack([79.5 + 184.0 * p[:, 1] / (2.1 - p[:, 0]), 60.0 - 184.0 * p[:, 2] / (2.1 - p[:, 0])]) for p in parts]
+        pixels = [
+            np.column_stack([79.5 + 184.0 * p[:, 1] / (2.1 - p[:, 0]), 60.0 - 184.0 * p[:, 2] / (2.1 - p[:, 0])])
+            for p in parts
+        ]
         films.append((np.stack(pixels, axis=1) + rng.normal(0.0, 1.0, (n, 3, 2)), np.ones((n, 3), bool)))
         tick(n)
     return films

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+
 from vipr.scenarios.experiments.films import HOLD, Reel, reel
 from vipr.scenarios.experiments.writers import Writer, draw, graffiti
 

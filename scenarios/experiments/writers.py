@@ -58,7 +58,9 @@ def graffiti() -> dict[str, list[np.ndarray]]:
     }
 
 
-def draw(writer: Writer, symbol: str, forms: list[np.ndarray], rng: np.random.Generator, rate: float = 25.0) -> np.ndarray:
+def draw(
+    writer: Writer, symbol: str, forms: list[np.ndarray], rng: np.random.Generator, rate: float = 25.0
+) -> np.ndarray:
     """One drawing (n, 2) at ``rate`` Hz, centred on the symbol's box, in symbol heights, x right and y up."""
     own = np.random.default_rng([writer.seed, *symbol.encode()])
     favourite = int(own.random() ** 2 * len(forms))
@@ -67,7 +69,11 @@ def draw(writer: Writer, symbol: str, forms: list[np.ndarray], rng: np.random.Ge
     points = points + _bend(own, writer.habit) + _bend(rng, writer.chance)
     points = _rounded(points, writer.roundness)
     c, s = np.cos(writer.tilt), np.sin(writer.tilt)
-    shape = np.array([[c, -s], [s, c]]) @ np.array([[1.0, writer.slant], [0.0, 1.0]]) @ np.diag([np.exp(writer.stretch), 1.0])
+    shape = (
+        np.array([[c, -s], [s, c]])
+        @ np.array([[1.0, writer.slant], [0.0, 1.0]])
+        @ np.diag([np.exp(writer.stretch), 1.0])
+    )
     points = points @ shape.T
     points = timed(points, writer.pace * np.exp(rng.normal(0.0, 0.12)), rate)
     return points + tremble(rng, len(points), writer.tremor / writer.size, rate)
@@ -83,7 +89,8 @@ def along(points: np.ndarray, count: int) -> np.ndarray:
 def _bend(rng, size):
     u = np.linspace(0.0, 1.0, DENSE)[:, None]
     return sum(
-        rng.normal(0.0, size, 2) / np.sqrt(1.0 + k) * np.cos(np.pi * k * u + rng.uniform(0.0, 2.0 * np.pi, 2)) for k in range(5)
+        rng.normal(0.0, size, 2) / np.sqrt(1.0 + k) * np.cos(np.pi * k * u + rng.uniform(0.0, 2.0 * np.pi, 2))
+        for k in range(5)
     )
 
 
@@ -113,7 +120,7 @@ def timed(points: np.ndarray, pace: float, rate: float, least: float = 0.4) -> n
     time = np.r_[0.0, np.cumsum(2.0 / (speed[1:] + speed[:-1]))]
     duration = max(length / pace, least)
     time *= duration / time[-1]
-    at = np.linspace(0.0, duration, max(int(round(duration * rate)) + 1, 4))
+    at = np.linspace(0.0, duration, max(round(duration * rate) + 1, 4))
     return np.stack([np.interp(at, time, c) for c in points.T], axis=-1)
 
 

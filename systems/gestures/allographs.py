@@ -3,7 +3,9 @@
 import numpy as np
 
 
-def allographs(x: np.ndarray, labels: np.ndarray, gain: float, least: int = 5, most: int = 6) -> tuple[np.ndarray, np.ndarray]:
+def allographs(
+    x: np.ndarray, labels: np.ndarray, gain: float, least: int = 5, most: int = 6
+) -> tuple[np.ndarray, np.ndarray]:
     """Model number of each sequence (N,) and class of each model (M,), models sorted by class.
 
     x (N, T, D) are described trajectories, labels (N,) in 0..C-1. Examples of a class are split by 2-means if that explains at least

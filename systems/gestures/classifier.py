@@ -6,19 +6,16 @@ the streams' log posteriors are averaged. Whether something is a gesture at all 
 far below what held-out examples reached beside a garbage model of all gestures together?
 """
 
-from dataclasses import replace
+from dataclasses import fields
 
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
 from vipr.systems.errors import InputError
-from vipr.systems.gestures.allographs import allographs
-from vipr.systems.gestures.discriminative import MmiSpec, from_likelihood, sharpen
-from vipr.systems.gestures.hmm import score
-from vipr.systems.gestures.rejection import Gate, fit_gate
-from vipr.systems.gestures.training import HmmSpec, choose_states, train
-from vipr.systems.gestures.trajectories import Distortion, Stream, clean, describe, distort, resample
+from vipr.systems.gestures.rejection import fit_gate
+from vipr.systems.gestures.stream_models import StreamOptions, fit_stream
+from vipr.systems.gestures.trajectories import Stream, clean, describe, resample
 
 STREAMS = {
     "default": (
@@ -50,6 +47,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     allograph_gain : share of scatter that splitting a gesture into two models must explain; None: one model a gesture
     discriminative : sharpen the models against each other
     distortion : how much copies are distorted while sharpening, 1 for another writer's hand, 0 for none
+    backwards : share of examples taken from end to start while sharpening, of gestures that then look like no other; 0: none
     priors : "observed" (as in training) or "uniform"
     garbage : label of non-gestures in y, if any; they shape the garbage model and the threshold, and ``predict`` may answer with it
     false_rejection : share of held-out gestures that the threshold may reject
@@ -60,11 +58,13 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
 
     def __init__(
         self, streams="default", states=8, covariance="diag", mixtures=1, allograph_gain=0.35, discriminative=True, distortion=1.0,
-        priors="observed", garbage=None, false_rejection=0.01, updates=500, seed=0,
+        backwards=0.08, priors="observed", garbage=None, false_rejection=0.01, updates=500, seed=0,
     ):  # fmt: skip
         self.streams, self.states, self.covariance, self.mixtures = streams, states, covariance, mixtures
-        self.allograph_gain, self.discriminative, self.distortion = allograph_gain, discriminative, distortion
-        self.priors, self.garbage, self.false_rejection, self.updates, self.seed = priors, garbage, false_rejection, updates, seed
+        self.allograph_gain, self.discriminative = allograph_gain, discriminative
+        self.distortion, self.backwards = distortion, backwards
+        self.priors, self.garbage, self.false_rejection = priors, garbage, false_rejection
+        self.updates, self.seed = updates, seed
 
     def fit(self, X, y, tick=lambda share: None):
         """Train on trajectories X with labels y. ``tick(share)`` is told what share of the work is done."""
@@ -72,60 +72,38 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         cleaned, kept = self._clean(X)
         y = np.asarray(y)
         if y.ndim != 1 or len(y) != len(cleaned):
-            raise InputError(f"gesture classifier: one label a trajectory, got {len(cleaned)} trajectories and labels of shape {y.shape}")
+            raise InputError(
+                f"gesture classifier: one label a trajectory, got {len(cleaned)} trajectories and labels of shape {y.shape}"
+            )
         self.skipped_ = np.flatnonzero(~kept)
         if not kept.any():
-            raise InputError(f"gesture classifier: none of the {len(y)} trajectories has two different finite positions")
+            raise InputError(
+                f"gesture classifier: none of the {len(y)} trajectories has two different finite positions"
+            )
         good = [t for t in cleaned if t is not None]
         self.classes_, labels = np.unique(y[kept], return_inverse=True)
         self.dimension_ = _dimension(good)
         self.counts_ = np.bincount(labels)
         self.streams_ = []
+        options = StreamOptions(**{f.name: getattr(self, f.name) for f in fields(StreamOptions)})
         for n, stream in enumerate(streams):
-            whole = (n + np.linspace(0, 1, self.updates + 2)) / len(streams)
-            self.streams_.append(self._fit_stream(stream, good, labels, iter(whole), tick))
+            shares = iter((n + np.linspace(0.1, 1, self.updates)) / len(streams))
+            self.streams_.append(fit_stream(stream, good, labels, options, lambda shares=shares: tick(next(shares))))
         foreign = np.flatnonzero(self.classes_ == self.garbage) if self.garbage is not None else np.zeros(0, int)
         self.garbage_ = int(foreign[0]) if len(foreign) else -1
-        self.gate_ = fit_gate(self._gate_view(good), labels, self.garbage_, self.false_rejection, self.seed)
+        points = resample(good, streams[0].sampling, streams[0].points)
+        self.gate_ = fit_gate(points, streams[0], labels, self.garbage_, self.false_rejection, self.seed)
         tick(1.0)
         return self
-
-    def _fit_stream(self, stream, good, labels, shares, tick):
-        points = resample(good, stream.sampling, stream.points)
-        x = describe(points, stream)
-        if self.allograph_gain is None:
-            model, classes = labels, np.arange(len(self.classes_))
-        else:
-            model, classes = allographs(describe(points, replace(stream, features=("position",))), labels, self.allograph_gain)
-        spec = HmmSpec(
-            self.states if self.states != "validated" else 8, 1 if self.discriminative else self.mixtures,
-            "diag" if self.discriminative else self.covariance, prior=2.0, baum_welch=5 if self.discriminative else 20,
-        )  # fmt: skip
-        lengths = np.full(len(x), stream.points)
-        states = choose_states(x, lengths, model, spec) if self.states == "validated" else None
-        bank = train(x, lengths, model, spec, states)
-        tick(next(shares))
-        if not self.discriminative or len(self.classes_) == 1:
-            return stream, bank, classes
-        mmi = MmiSpec(updates=self.updates, seed=self.seed)
-        how = Distortion(*(self.distortion * v for v in Distortion().__dict__.values()))
-
-        def draw(chosen, rng):
-            p = points[chosen]
-            copies = rng.random(len(p)) < 0.75 * (self.distortion > 0)
-            if copies.any():
-                p[copies] = distort(p[copies], stream.sampling, rng, how)
-            return describe(p, stream)
-
-        sharp = sharpen(from_likelihood(bank, x, classes, mmi.temper), draw, labels, mmi, lambda: tick(next(shares)))
-        return stream, sharp, classes
 
     def predict_log_proba(self, X):
         """(N, C) natural logarithms of ``predict_proba``."""
         check_is_fitted(self, "streams_")
         cleaned, kept = self._clean(X)
         prior = np.log(self.counts_ / self.counts_.sum())
-        out = np.tile(prior if self.priors == "observed" else np.full(len(prior), -np.log(len(prior))), (len(cleaned), 1))
+        out = np.tile(
+            prior if self.priors == "observed" else np.full(len(prior), -np.log(len(prior))), (len(cleaned), 1)
+        )
         if kept.any():
             out[kept] = self._log_posterior([t for t in cleaned if t is not None], prior)
         return out
@@ -133,9 +111,8 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     def _log_posterior(self, good, prior):
         self._check_dimension(good)
         total = np.zeros((len(good), len(self.classes_)))
-        for stream, models, classes in self.streams_:
-            x = describe(resample(good, stream.sampling, stream.points), stream)
-            total += models.log_posterior(x) if hasattr(models, "log_posterior") else _posterior(models, x, classes, prior)
+        for model in self.streams_:
+            total += model.log_posterior(good, prior)
         total /= len(self.streams_)
         if self.priors == "uniform":
             total -= prior
@@ -178,7 +155,9 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
             probability = self.predict_proba(X)
             if self.garbage_ >= 0:
                 probability[:, self.garbage_] = -1.0
-            out[kept] = self.gate_.margin(self._gate_view([t for t in cleaned if t is not None]), probability.argmax(axis=1)[kept])
+            out[kept] = self.gate_.margin(
+                self._gate_view([t for t in cleaned if t is not None]), probability.argmax(axis=1)[kept]
+            )
         return out
 
     def _gate_view(self, good):
@@ -189,7 +168,9 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     def _streams(self):
         if isinstance(self.streams, str):
             if self.streams not in STREAMS:
-                raise InputError(f"gesture classifier: streams is one of {', '.join(STREAMS)} or a tuple of Stream, got {self.streams!r}")
+                raise InputError(
+                    f"gesture classifier: streams is one of {', '.join(STREAMS)} or a tuple of Stream, got {self.streams!r}"
+                )
             return STREAMS[self.streams]
         return tuple(self.streams)
 
@@ -199,7 +180,9 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
 
     def _check_dimension(self, good):
         if _dimension(good) != self.dimension_:
-            raise InputError(f"gesture classifier: trained on {self.dimension_} coordinates a point, got {_dimension(good)}")
+            raise InputError(
+                f"gesture classifier: trained on {self.dimension_} coordinates a point, got {_dimension(good)}"
+            )
 
     def __sklearn_tags__(self):
         tags = super().__sklearn_tags__()
@@ -210,14 +193,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
 def _dimension(good):
     dimensions = {t.points.shape[1] for t in good}
     if len(dimensions) != 1:
-        raise InputError(f"gesture classifier: all points need the same number of coordinates, got {sorted(dimensions)}")
+        raise InputError(
+            f"gesture classifier: all points need the same number of coordinates, got {sorted(dimensions)}"
+        )
     return dimensions.pop()
-
-
-def _posterior(bank, x, classes, prior):
-    """Log posteriors (N, C) of likelihood models; the best model of a class stands for it."""
-    starts = np.flatnonzero(np.r_[True, np.diff(classes) > 0])
-    return np.maximum.reduceat(score(bank, x), starts, axis=1) + prior
-
-
-__all__ = ["STREAMS", "Gate", "GestureClassifier"]

@@ -10,6 +10,7 @@ for the unconstrained form.)
 from dataclasses import dataclass
 
 import numpy as np
+
 from vipr.systems.gestures.hmm import HmmBank
 
 OFFSETS = (-2, 2)  # neighbours whose observation a state sees as well, in points
@@ -45,8 +46,10 @@ class SharpBank:
         return np.concatenate(out) if out else np.zeros((0, self.classes.max() + 1))
 
     def _log_posterior(self, x):
-        final, _ = _viterbi(_emissions(self, (observe(x) - self.mean) / self.scale), self.stay, self.leave, False)
-        return _by_class(final.max(axis=-1), self.classes)
+        phi = np.swapaxes((observe(x) - self.mean) / self.scale, 0, 1)
+        log_b = _emissions(self.weights, phi.reshape(-1, phi.shape[-1]), *phi.shape[:2])
+        final, _ = _viterbi(log_b, self.stay, self.leave, False)
+        return _by_class(final.max(axis=1), self.classes)
 
 
 def observe(x: np.ndarray) -> np.ndarray:
@@ -56,27 +59,25 @@ def observe(x: np.ndarray) -> np.ndarray:
     return np.concatenate([x * x, x, *around, np.ones_like(x[..., :1])], axis=-1).astype(np.float32)
 
 
-def _emissions(bank, phi):
-    """(T, N, M, S) of standardised phi (N, T, F)."""
-    M, S, F = bank.weights.shape
-    N, T, _ = phi.shape
-    flat = np.swapaxes(phi, 0, 1).reshape(T * N, F)
-    return (flat @ bank.weights.reshape(M * S, F).T).reshape(T, N, M, S)
+def _emissions(weights, flat, T, N):
+    """(T, N, S, M) of standardised observations (T N, F) and weights (M, S, F)."""
+    M, S, F = weights.shape
+    return (flat @ np.swapaxes(weights, 0, 1).reshape(S * M, F).T).reshape(T, N, S, M)
 
 
 def _viterbi(log_b, stay, leave, backpointers: bool):
-    """Last scores (N, M, S) and, if wanted, where each was reached by leaving the state before (T, N, M, S)."""
+    """Last scores (N, S, M) and, if wanted, where each was reached by leaving the state before (T, N, S, M); transitions (M, S)."""
     came = np.zeros(log_b.shape, bool) if backpointers else None
     delta = np.full(log_b.shape[1:], -1e30, np.float32)
-    delta[..., 0] = log_b[0, ..., 0]
-    moved = np.empty_like(delta[..., 1:])
-    into = leave[:, :-1]
+    delta[:, 0] = log_b[0, :, 0]
+    moved = np.empty_like(delta[:, 1:])
+    stay, into = stay.T.copy(), leave.T[:-1].copy()
     for t in range(1, len(log_b)):
-        np.add(delta[..., :-1], into, out=moved)
+        np.add(delta[:, :-1], into, out=moved)
         delta += stay
         if backpointers:
-            np.greater(moved, delta[..., 1:], out=came[t, ..., 1:])
-        np.maximum(delta[..., 1:], moved, out=delta[..., 1:])
+            np.greater(moved, delta[:, 1:], out=came[t, :, 1:])
+        np.maximum(delta[:, 1:], moved, out=delta[:, 1:])
         delta += log_b[t]
     return delta, came
 
@@ -143,18 +144,18 @@ def _gradient(bank, W, phi, labels):
     """Of the mean negative log posterior with respect to W (M, S, F), through the best path of each model that matters."""
     M, S, F = W.shape
     flat = np.swapaxes(phi, 0, 1).reshape(-1, F)
-    log_b = (flat @ W.reshape(M * S, F).T).reshape(phi.shape[1], len(phi), M, S)
+    log_b = _emissions(W, flat, phi.shape[1], len(phi))
     final, came = _viterbi(log_b, bank.stay, bank.leave, True)
-    score = final.max(axis=-1)
-    posterior = np.exp(score - score.max(axis=1, keepdims=True))
+    scores = final.max(axis=1)
+    posterior = np.exp(scores - scores.max(axis=1, keepdims=True))
     posterior /= posterior.sum(axis=1, keepdims=True)
     right = posterior * (bank.classes == labels[:, None])
     excess = posterior - right / np.maximum(right.sum(axis=1, keepdims=True), 1e-12)
     n, m = np.nonzero(np.abs(excess) > 1e-3)
-    state, amount = final[n, m].argmax(axis=-1), excess[n, m] / len(phi)
+    state, amount = final[n, :, m].argmax(axis=-1), excess[n, m] / len(phi)
     share = log_b  # the memory of the densities, no longer needed
     share[...] = 0.0
     for t in range(len(share) - 1, -1, -1):
-        share[t, n, m, state] = amount
-        state = state - came[t, n, m, state]
-    return (share.reshape(-1, M * S).T @ flat).reshape(M, S, F)
+        share[t, n, state, m] = amount
+        state = state - came[t, n, state, m]
+    return np.swapaxes((share.reshape(-1, S * M).T @ flat).reshape(S, M, F), 0, 1)

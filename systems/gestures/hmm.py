@@ -12,6 +12,7 @@ Log probabilities are natural logarithms of densities in the unit of the feature
 from dataclasses import dataclass
 
 import numpy as np
+
 from vipr.systems.errors import InputError
 
 LOG_2PI = float(np.log(2.0 * np.pi))
@@ -75,10 +76,11 @@ def pad(sequences) -> tuple[np.ndarray, np.ndarray]:
 
 
 def emissions(bank: HmmBank, x: np.ndarray) -> np.ndarray:
-    """Log density of every point in every state of every model: x (N, T, d) gives (T, N, M, S)."""
+    """Log density of every point in every state of every model: x (N, T, d) gives (T, N, S, M)."""
     M, S, K, _ = bank.shape
     phi = quadratic(np.swapaxes(x, 0, 1))
-    log_b = (phi.reshape(-1, phi.shape[-1]) @ bank.natural().reshape(M * S * K, -1).T).reshape(*phi.shape[:2], M, S, K)
+    weights = np.swapaxes(bank.natural(), 0, 1).reshape(S * M * K, -1)
+    log_b = (phi.reshape(-1, phi.shape[-1]) @ weights.T).reshape(*phi.shape[:2], S, M, K)
     return log_sum(log_b) if K > 1 else log_b[..., 0]
 
 
@@ -91,60 +93,52 @@ def log_sum(a: np.ndarray) -> np.ndarray:
 
 
 def forward(log_b: np.ndarray, stay: np.ndarray, leave: np.ndarray) -> np.ndarray:
-    """Forward log probabilities (eq. 20) of left-right chains: log_b (T, ..., S), transitions (..., S); returns (T, ..., S)."""
+    """Forward log probabilities (eq. 20) of N left-right chains: log_b (T, S, N), transitions (S, N); returns (T, S, N)."""
     alpha = np.full_like(log_b, -np.inf)
-    alpha[0, ..., 0] = log_b[0, ..., 0]
-    into = leave[..., :-1]
+    alpha[0, 0] = log_b[0, 0]
     for t in range(1, len(log_b)):
         now = alpha[t - 1] + stay
-        np.logaddexp(now[..., 1:], alpha[t - 1, ..., :-1] + into, out=now[..., 1:])
+        np.logaddexp(now[1:], alpha[t - 1, :-1] + leave[:-1], out=now[1:])
         np.add(now, log_b[t], out=alpha[t])
     return alpha
 
 
 def backward(log_b: np.ndarray, stay: np.ndarray, leave: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """Backward log probabilities (eq. 21): log_b (T, N, ..., S), zero from each sequence's last point on."""
+    """Backward log probabilities (eq. 21): log_b (T, S, N), zero from each sequence's last point on."""
     beta = np.zeros_like(log_b)
-    into = leave[..., :-1]
     for t in range(len(log_b) - 2, -1, -1):
         after = beta[t + 1] + log_b[t + 1]
         now = after + stay
-        np.logaddexp(now[..., :-1], after[..., 1:] + into, out=now[..., :-1])
-        ended = t >= lengths - 1
-        now[ended] = 0.0
-        beta[t] = now
+        np.logaddexp(now[:-1], after[1:] + leave[:-1], out=now[:-1])
+        beta[t] = np.where(t >= lengths - 1, 0.0, now)
     return beta
 
 
-def best_path(log_b: np.ndarray, stay: np.ndarray, leave: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Viterbi (eq. 12-14) of left-right chains: log_b (T, N, ..., S) gives the best log probability (N, ...) and states (T, N, ...).
+def best_path(
+    log_b: np.ndarray, stay: np.ndarray, leave: np.ndarray, lengths: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Viterbi (eq. 12-14) of N left-right chains: log_b (T, S, N) gives the best log probability (N,) and states (T, N).
 
     Behind a sequence's end its last state is repeated.
     """
-    T = len(log_b)
-    came = np.zeros(log_b.shape, bool)
-    delta = np.full(log_b.shape[1:], -np.inf)
-    delta[..., 0] = log_b[0, ..., 0]
+    T, S, N = log_b.shape
+    came = np.zeros((T, S, N), bool)
+    delta = np.full((S, N), -np.inf)
+    delta[0] = log_b[0, 0]
     final = delta.copy()
-    into = leave[..., :-1]
     for t in range(1, T):
         now = delta + stay
-        moved = delta[..., :-1] + into
-        came[t, ..., 1:] = moved > now[..., 1:]
-        np.maximum(now[..., 1:], moved, out=now[..., 1:])
+        moved = delta[:-1] + leave[:-1]
+        np.greater(moved, now[1:], out=came[t, 1:])
+        np.maximum(now[1:], moved, out=now[1:])
         delta = now + log_b[t]
-        going = t < lengths
-        final[going] = delta[going]
-    path = np.empty(log_b.shape[:-1], int)
-    state = final.argmax(axis=-1)
+        np.copyto(final, delta, where=t < lengths)
+    path = np.empty((T, N), int)
+    state, n = final.argmax(axis=0), np.arange(N)
     for t in range(T - 1, -1, -1):
         path[t] = state
-        state = state - np.take_along_axis(came[t], state[..., None], axis=-1)[..., 0] * _wide(t < lengths, state)
-    return final.max(axis=-1), path
-
-
-def _wide(mask: np.ndarray, like: np.ndarray) -> np.ndarray:
-    return mask.reshape(mask.shape + (1,) * (like.ndim - mask.ndim))
+        state = state - (came[t, state, n] & (t < lengths))
+    return final.max(axis=0), path
 
 
 def score(bank: HmmBank, x: np.ndarray, lengths: np.ndarray | None = None, method: str = "forward") -> np.ndarray:
@@ -155,18 +149,18 @@ def score(bank: HmmBank, x: np.ndarray, lengths: np.ndarray | None = None, metho
     if x.ndim != 3 or x.shape[-1] != bank.shape[-1]:
         raise InputError(f"hmm: sequences must be (N, T, {bank.shape[-1]}), got {x.shape}")
     together = np.logaddexp if method == "forward" else np.maximum
-    log_b, stay, into = emissions(bank, x), bank.stay, bank.leave[:, :-1]
+    log_b, stay, into = emissions(bank, x), bank.stay.T.copy(), bank.leave.T[:-1].copy()
     now = np.full(log_b.shape[1:], -np.inf)
-    now[..., 0] = log_b[0, ..., 0]
+    now[:, 0] = log_b[0, :, 0]
     ragged = lengths is not None and lengths.min() < len(log_b)
     final = now.copy() if ragged else now
-    moved = np.empty_like(now[..., 1:])
+    moved = np.empty_like(now[:, 1:])
     for t in range(1, len(log_b)):
-        np.add(now[..., :-1], into, out=moved)
+        np.add(now[:, :-1], into, out=moved)
         now += stay
-        together(now[..., 1:], moved, out=now[..., 1:])
+        together(now[:, 1:], moved, out=now[:, 1:])
         now += log_b[t]
         if ragged:
             going = t < lengths
             final[going] = now[going]
-    return log_sum(final) if method == "forward" else final.max(axis=-1)
+    return log_sum(np.swapaxes(final, 1, 2)) if method == "forward" else final.max(axis=1)

@@ -3,6 +3,7 @@
 import json
 import os
 import zipfile
+import zlib
 from dataclasses import asdict, fields
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from vipr.systems.gestures.classifier import STREAMS, GestureClassifier
 from vipr.systems.gestures.discriminative import SharpBank
 from vipr.systems.gestures.hmm import HmmBank
 from vipr.systems.gestures.rejection import Gate
+from vipr.systems.gestures.stream_models import StreamModel
 from vipr.systems.gestures.trajectories import Stream
 
 FORMAT, VERSION = "vipr-gestures", 1
@@ -23,10 +25,10 @@ def save_model(classifier: GestureClassifier, path: Path, notes: dict | None = N
     """Write a fitted classifier; ``notes`` (plain values) go into its header. The file appears whole or not at all."""
     path, arrays = Path(path), {}
     streams = []
-    for n, (stream, bank, classes) in enumerate(classifier.streams_):
-        kind = "sharp" if isinstance(bank, SharpBank) else "likelihood"
-        streams.append({"kind": kind, **asdict(stream)})
-        arrays |= _arrays(f"stream{n}", bank) | {f"stream{n}.of": np.asarray(classes)}
+    for n, model in enumerate(classifier.streams_):
+        kind = "sharp" if isinstance(model.bank, SharpBank) else "likelihood"
+        streams.append({"kind": kind, **asdict(model.stream)})
+        arrays |= _arrays(f"stream{n}", model.bank) | {f"stream{n}.of": model.classes}
     gate = classifier.gate_
     arrays |= _arrays("gestures", gate.gestures) | _arrays("anything", gate.anything)
     arrays |= {"counts": classifier.counts_, "threshold": np.array(gate.threshold)}
@@ -49,6 +51,8 @@ def save_model(classifier: GestureClassifier, path: Path, notes: dict | None = N
 def load_model(path: Path) -> GestureClassifier:
     """Read a classifier that ``save_model`` wrote; anything else is an ``InputError``. Labels come back as text."""
     try:
+        if not zipfile.is_zipfile(path) and Path(path).is_file():
+            raise InputError(f"gesture model {path}: is truncated or no model file")
         with np.load(path, allow_pickle=False) as file:
             if "header" not in file:
                 raise InputError(f"gesture model {path}: is not a {FORMAT} file")
@@ -56,13 +60,15 @@ def load_model(path: Path) -> GestureClassifier:
             if not isinstance(header, dict) or header.get("format") != FORMAT:
                 raise InputError(f"gesture model {path}: is not a {FORMAT} file")
             if header.get("version") != VERSION:
-                raise InputError(f"gesture model {path}: is of version {header.get('version')}, this program reads version {VERSION}")
+                raise InputError(
+                    f"gesture model {path}: is of version {header.get('version')}, this program reads version {VERSION}"
+                )
             arrays = {name: file[name] for name in file.files}
     except InputError:
         raise
     except OSError as error:
         raise InputError(f"gesture model {path}: cannot be read ({error.strerror or 'not a model file'})") from None
-    except (ValueError, KeyError, EOFError, zipfile.BadZipFile, NotImplementedError):
+    except (ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError):
         raise InputError(f"gesture model {path}: is truncated or no model file") from None
     try:
         return _build(header, arrays)
@@ -83,12 +89,16 @@ def _build(header, arrays):
         bank, classes = _bank(BANKS[kind], f"stream{n}", arrays), arrays[f"stream{n}.of"]
         if set(classes.tolist()) != set(range(C)) or (np.diff(classes) < 0).any():
             raise ValueError("classes of the models")
-        classifier.streams_.append((stream, bank, classes))
+        classifier.streams_.append(StreamModel(stream, bank, classes))
     named = header["named"]
-    classifier.streams = named if named in STREAMS else tuple(stream for stream, _, _ in classifier.streams_)
-    if tuple(stream for stream, _, _ in classifier.streams_) != classifier._streams() or classifier.counts_.shape != (C,):
+    classifier.streams = named if named in STREAMS else tuple(model.stream for model in classifier.streams_)
+    if tuple(model.stream for model in classifier.streams_) != classifier._streams() or classifier.counts_.shape != (
+        C,
+    ):
         raise ValueError("streams")
-    classifier.gate_ = Gate(_bank(HmmBank, "gestures", arrays), _bank(HmmBank, "anything", arrays), float(arrays["threshold"]))
+    classifier.gate_ = Gate(
+        _bank(HmmBank, "gestures", arrays), _bank(HmmBank, "anything", arrays), float(arrays["threshold"])
+    )
     return classifier
 
 
@@ -102,6 +112,10 @@ def _bank(kind, name, arrays):
         if value.dtype.kind not in "fi" or np.isnan(value).any():
             raise ValueError(f"{name}.{key}")
     models = parts["stay"].shape
-    if any(parts[k].shape[: len(models)] != models for k in ("means", "covariances", "log_weights", "weights", "leave") if k in parts):
+    if any(
+        parts[k].shape[: len(models)] != models
+        for k in ("means", "covariances", "log_weights", "weights", "leave")
+        if k in parts
+    ):
         raise ValueError(f"{name}: shapes disagree")
     return kind(**parts)

@@ -6,17 +6,19 @@ import numpy as np
 
 from vipr.systems.gestures.hmm import HmmBank, score
 from vipr.systems.gestures.training import HmmSpec, train
+from vipr.systems.gestures.trajectories import Distortion, Stream, describe, distort, fill_up
 
 STATES, FOLDS, LEAST = 6, 3, 6
-SPEC = HmmSpec(STATES, 1, "diag", floor=2e-2, prior=5.0, baum_welch=3)
+SPEC = HmmSpec(STATES, 1, "diag", floor=3e-2, prior=5.0, segmental=4, baum_welch=3)
+ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the number
 
 
 @dataclass(frozen=True, eq=False)
 class Gate:
     """Likelihood models of each class and of everything together, and the least margin of a gesture."""
 
-    gestures: HmmBank  # (C models)
-    anything: HmmBank  # (1 or 2 models): all gestures together, non-gestures if there were any
+    gestures: HmmBank  # one model a class
+    anything: HmmBank  # all gestures together, as a chain and as one cloud; the same of non-gestures if there were any
     threshold: float  # nats a point
 
     def margin(self, x: np.ndarray, label: np.ndarray) -> np.ndarray:
@@ -25,36 +27,51 @@ class Gate:
         return (own - score(self.anything, x).max(axis=1)) / x.shape[1]
 
 
-def fit_gate(x: np.ndarray, labels: np.ndarray, garbage: int, false_rejection: float, seed: int) -> Gate:
-    """Models from all of x (N, T, D); the threshold such that ``false_rejection`` of held-out gestures fall below it.
+def fit_gate(
+    points: np.ndarray, stream: Stream, labels: np.ndarray, garbage: int, false_rejection: float, seed: int
+) -> Gate:
+    """Models of resampled points (N, T, d); the threshold such that ``false_rejection`` of held-out gestures fall below it.
 
-    ``garbage`` is the class of non-gestures, -1 if there is none. With fewer than a handful of examples held out, nothing can be
-    calibrated and the threshold is lowered by the spread seen in training.
+    ``garbage`` is the class of non-gestures, -1 if there is none. A quantile that the held-out examples are too few to show is taken from
+    the spread of their lower half, as if it were normal.
     """
     fold = _folds(labels, seed)
     margins = []
     for k in range(FOLDS):
         held = (fold == k) & (labels != garbage)
         if held.any() and len(np.unique(labels[fold != k])) == labels.max() + 1:
-            margins.append(_models(x[fold != k], labels[fold != k], garbage).margin(x[held], labels[held]))
-    gate = _models(x, labels, garbage)
-    if sum(map(len, margins)) >= LEAST:
-        held_out = np.concatenate(margins)
-        threshold = np.quantile(held_out, false_rejection)
-        if len(held_out) * false_rejection < 5:  # too few to see the quantile: extend the spread below the median
-            median = np.median(held_out)
-            threshold = min(threshold, median - 4.0 * (median - np.quantile(held_out, 0.16)))
-    else:
-        own = gate.margin(x[labels != garbage], labels[labels != garbage])
-        threshold = own.min() - 3.0 * (np.ptp(own) + abs(own.min()) + 1.0)
+            gate = _models(points[fold != k], stream, labels[fold != k], garbage, seed)
+            margins.append(gate.margin(describe(points[held], stream), labels[held]))
+    gate = _models(points, stream, labels, garbage, seed)
+    if sum(map(len, margins)) < LEAST:  # nothing to hold out
+        own = gate.margin(describe(points[labels != garbage], stream), labels[labels != garbage])
+        return Gate(gate.gestures, gate.anything, float(own.min() - np.ptp(own) - 1.0))
+    held_out = np.concatenate(margins)
+    threshold = np.quantile(held_out, false_rejection)
+    if len(held_out) * false_rejection < 5:
+        from scipy.stats import norm
+
+        median = np.median(held_out)
+        sigma = (median - np.quantile(held_out, 0.16)) / -norm.ppf(0.16)
+        threshold = median + norm.ppf(false_rejection) * sigma
     return Gate(gate.gestures, gate.anything, float(threshold))
 
 
-def _models(x, labels, garbage):
+def _models(points, stream, labels, garbage, seed):
+    source = fill_up(labels, ENOUGH)
+    if len(source):
+        copies = distort(points[source], stream.sampling, np.random.default_rng([seed, 2]), Distortion())
+        points, labels = np.concatenate([points, copies]), np.concatenate([labels, labels[source]])
+    x = describe(points, stream)
     lengths = np.full(len(x), x.shape[1])
     gestures = train(x, lengths, labels, SPEC)
-    kind = (labels == garbage).astype(int) if garbage >= 0 and (labels != garbage).any() else np.zeros(len(x), int)
-    return Gate(gestures, train(x, lengths, kind, SPEC), 0.0)
+    kind = np.zeros(len(x), int)
+    if garbage >= 0 and (labels != garbage).any():
+        kind = (labels == garbage).astype(int)
+    kinds = kind.max() + 1
+    twice = np.concatenate([kind, kind + kinds])
+    states = np.repeat([STATES, 1], kinds)
+    return Gate(gestures, train(np.concatenate([x, x]), np.tile(lengths, 2), twice, SPEC, states), 0.0)
 
 
 def _folds(labels, seed):

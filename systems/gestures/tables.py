@@ -6,6 +6,7 @@
 
 import csv
 import gzip
+import itertools
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,7 +32,9 @@ class GestureTable:
     def choose(self, index) -> "GestureTable":
         """The rows of an index array or mask."""
         index = np.arange(len(self))[index]
-        return GestureTable(self.seq[index], self.labels[index], self.writers[index], [self.trajectories[i] for i in index])
+        return GestureTable(
+            self.seq[index], self.labels[index], self.writers[index], [self.trajectories[i] for i in index]
+        )
 
 
 def read_table(folder: Path) -> GestureTable:
@@ -45,7 +48,7 @@ def read_table(folder: Path) -> GestureTable:
         raise InputError(f"{folder / 'sequences.csv'}: needs a column seq, has {', '.join(map(str, rows[0]))}")
     by_seq = {}
     cuts = np.r_[0, np.flatnonzero(np.diff(points[:, 0])) + 1, len(points)] if len(points) else np.zeros(1, int)
-    for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+    for a, b in itertools.pairwise(cuts):
         key = _key(points[a, 0])
         if key in by_seq:
             raise InputError(f"{folder}: the points of sequence {key} do not stand together")
@@ -101,7 +104,9 @@ def _points(folder):
     if points.shape[1] != len(header):
         raise InputError(f"{path}: has {len(header)} columns in its header and {points.shape[1]} below")
     if not np.isfinite(points[:, 0]).all():
-        raise InputError(f"{path}: line {int(np.flatnonzero(~np.isfinite(points[:, 0]))[0]) + 2} does not say its sequence")
+        raise InputError(
+            f"{path}: line {int(np.flatnonzero(~np.isfinite(points[:, 0]))[0]) + 2} does not say its sequence"
+        )
     return points
 
 

@@ -7,6 +7,7 @@ pools sufficient statistics per model, so that the cost does not depend on the n
 from dataclasses import dataclass
 
 import numpy as np
+
 from vipr.systems.errors import InputError
 from vipr.systems.gestures.hmm import COVARIANCES, HmmBank, backward, best_path, forward, log_sum, quadratic
 
@@ -62,7 +63,9 @@ def uniform_path(lengths: np.ndarray, states: np.ndarray, T: int) -> np.ndarray:
     return np.minimum(t * states[:, None] // lengths[:, None], states[:, None] - 1)
 
 
-def train(x: np.ndarray, lengths: np.ndarray, model: np.ndarray, spec: HmmSpec, states: np.ndarray | None = None) -> HmmBank:
+def train(
+    x: np.ndarray, lengths: np.ndarray, model: np.ndarray, spec: HmmSpec, states: np.ndarray | None = None
+) -> HmmBank:
     """Train one HMM per model number: x (N, T, d) padded, lengths (N,), model (N,) in 0..M-1, each with at least one sequence.
 
     states (M,) overrides ``spec.states`` per model.
@@ -83,7 +86,7 @@ def train(x: np.ndarray, lengths: np.ndarray, model: np.ndarray, spec: HmmSpec, 
 
 def _segmental(statistics, lengths, scale, spec, states) -> HmmBank:
     """Means, covariances and transitions by counting along paths (eq. 15-17), paths by Viterbi, until they stay."""
-    N, T = statistics.inside.shape
+    _N, T = statistics.inside.shape
     S, one = int(states.max()), HmmSpec(spec.states, 1, spec.covariance, spec.floor, spec.prior)
     path, bank, mixtures = uniform_path(lengths, states[statistics.model], T), None, 1
     for _ in range(spec.segmental + 1):
@@ -130,16 +133,19 @@ def _split(bank: HmmBank, mixtures: int) -> HmmBank:
 
 
 def _own_emissions(bank, statistics):
-    """Log densities (T, N, S) of each sequence under its own model, and by component (N, T, S, K)."""
+    """Log densities (T, S, N) of each sequence under its own model, and by component (N, T, S, K)."""
     M, S, K, _ = bank.shape
     weights = bank.natural().reshape(M, S * K, -1)
-    by_component = (statistics.phi @ np.swapaxes(weights[statistics.model], 1, 2)).reshape(*statistics.inside.shape, S, K)
+    by_component = (statistics.phi @ np.swapaxes(weights[statistics.model], 1, 2)).reshape(
+        *statistics.inside.shape, S, K
+    )
     log_b = log_sum(by_component) if K > 1 else by_component[..., 0]
-    return np.ascontiguousarray(np.swapaxes(log_b, 0, 1)), by_component
+    return np.ascontiguousarray(np.moveaxis(log_b, 0, 2)), by_component
 
 
 def _own_transitions(bank, statistics):
-    return bank.stay[statistics.model], bank.leave[statistics.model]
+    """Log probabilities (S, N) of staying and leaving."""
+    return bank.stay[statistics.model].T.copy(), bank.leave[statistics.model].T.copy()
 
 
 def _baum_welch(bank, statistics, lengths, scale, spec, rounds=None) -> HmmBank:
@@ -160,19 +166,18 @@ def expectation(bank, statistics, lengths):
     log_b, by_component = _own_emissions(bank, statistics)
     stay, leave = _own_transitions(bank, statistics)
     alpha, beta = forward(log_b, stay, leave), backward(log_b, stay, leave, lengths)
-    log_likelihood = log_sum(alpha[lengths - 1, np.arange(len(lengths))])
-    gamma = np.exp(np.swapaxes(alpha + beta, 0, 1) - log_likelihood[:, None, None]) * statistics.inside[..., None]
+    log_likelihood = log_sum(alpha[lengths - 1, :, np.arange(len(lengths))])
+    gamma = np.moveaxis(np.exp(alpha + beta - log_likelihood), 2, 0) * statistics.inside[..., None]
     occupancy = gamma[..., None]
     if bank.shape[2] > 1:
-        shares = by_component - np.swapaxes(log_b, 0, 1)[..., None]
-        occupancy = occupancy * np.exp(shares)
+        occupancy = occupancy * np.exp(by_component - np.moveaxis(log_b, 2, 0)[..., None])
     after = beta[1:] + log_b[1:]
-    both = statistics.inside[:, 1:].T[..., None]
-    start = alpha[:-1] - log_likelihood[:, None]
+    both = statistics.inside[:, 1:].T[:, None]
+    start = alpha[:-1] - log_likelihood
     kept = (np.exp(start + stay + after) * both).sum(axis=0)
     left = np.zeros_like(kept)
-    left[:, :-1] = (np.exp(start[..., :-1] + leave[:, :-1] + after[..., 1:]) * both).sum(axis=0)
-    return statistics.moments(occupancy), statistics.pool(np.stack([kept, left], axis=-1)), log_likelihood
+    left[:-1] = (np.exp(start[:, :-1] + leave[:-1] + after[:, 1:]) * both).sum(axis=0)
+    return statistics.moments(occupancy), statistics.pool(np.stack([kept.T, left.T], axis=-1)), log_likelihood
 
 
 def estimate(moments, transitions, states, scale, spec: HmmSpec, before: HmmBank | None) -> HmmBank:
@@ -254,7 +259,9 @@ def choose_states(x, lengths, model, spec: HmmSpec, candidates=(4, 6, 8, 10, 12)
     for row, states in zip(held, candidates, strict=True):
         for h in (0, 1):
             train_on, test_on = kept & (half != h), kept & (half == h)
-            bank = train(x[train_on], lengths[train_on], number[model[train_on]], HmmSpec(**{**quick.__dict__, "states": states}))
+            bank = train(
+                x[train_on], lengths[train_on], number[model[train_on]], HmmSpec(**{**quick.__dict__, "states": states})
+            )
             own = own_score(bank, x[test_on], lengths[test_on], number[model[test_on]])
             np.add.at(row, model[test_on], own / lengths[test_on])
     held /= np.maximum(np.bincount(model, minlength=models), 1)
@@ -266,4 +273,4 @@ def own_score(bank: HmmBank, x: np.ndarray, lengths: np.ndarray, model: np.ndarr
     """(N,) log likelihood of each sequence under its own model only."""
     statistics = _Statistics(x, lengths, model, len(bank.means))
     alpha = forward(_own_emissions(bank, statistics)[0], *_own_transitions(bank, statistics))
-    return log_sum(alpha[lengths - 1, np.arange(len(lengths))])
+    return log_sum(alpha[lengths - 1, :, np.arange(len(lengths))])

@@ -8,6 +8,7 @@ trajectories at once: raw ones lie end to end, resampled ones are (N, T, d).
 from dataclasses import dataclass
 
 import numpy as np
+
 from vipr.systems.errors import InputError
 
 
@@ -150,7 +151,9 @@ def _turning(points):
     if pairs == 0:
         return np.zeros((*points.shape[:2], 0))
     bx, by, ax, ay = before[..., 0::2], before[..., 1::2], after[..., 0::2], after[..., 1::2]
-    turn = np.concatenate([bx[..., :pairs] * ay - by * ax[..., :pairs], bx[..., :pairs] * ax[..., :pairs] + by * ay], axis=-1)
+    turn = np.concatenate(
+        [bx[..., :pairs] * ay - by * ax[..., :pairs], bx[..., :pairs] * ax[..., :pairs] + by * ay], axis=-1
+    )
     return np.concatenate([turn[:, :1], turn, turn[:, -1:]], axis=1)
 
 
@@ -198,12 +201,26 @@ def distort(points: np.ndarray, sampling: str, rng: np.random.Generator, how: Di
     A = np.stack([np.stack([c * e, c * slant - s / e], -1), np.stack([s * e, s * slant + c / e], -1)], -2)
     pairs = d // 2
     out = centred.copy()
-    out[..., : 2 * pairs] = np.einsum("nij,ntpj->ntpi", A, centred[..., : 2 * pairs].reshape(N, T, pairs, 2)).reshape(N, T, -1)
+    out[..., : 2 * pairs] = np.einsum("nij,ntpj->ntpi", A, centred[..., : 2 * pairs].reshape(N, T, pairs, 2)).reshape(
+        N, T, -1
+    )
     wave = np.arange(1, 5)
     amplitude = rng.normal(0.0, 1.0, (N, d, 4)) * (how.bend * spread[:, None, None] / np.sqrt(wave))
     phase = rng.uniform(0.0, 2.0 * np.pi, (N, d, 4))
     arc = np.pi * wave[:, None] * np.linspace(0.0, 1.0, T)
-    bend = np.concatenate([amplitude * np.cos(phase), -amplitude * np.sin(phase)], -1) @ np.concatenate([np.cos(arc), np.sin(arc)])
+    bend = np.concatenate([amplitude * np.cos(phase), -amplitude * np.sin(phase)], -1) @ np.concatenate(
+        [np.cos(arc), np.sin(arc)]
+    )
     out += np.swapaxes(bend, 1, 2)
     out += centre
     return even(out) if sampling == "arc" else out
+
+
+def fill_up(labels: np.ndarray, enough: int) -> np.ndarray:
+    """Indices of examples to copy so that every class of labels (N,) has ``enough``."""
+    source = []
+    for c in np.unique(labels):
+        members = np.flatnonzero(labels == c)
+        if len(members) < enough:
+            source.append(members[np.arange(enough - len(members)) % len(members)])
+    return np.concatenate(source) if source else np.zeros(0, int)

@@ -1,0 +1,116 @@
+"""The models of one stream: which there are, on what they are trained, how they are sharpened."""
+
+from dataclasses import astuple, dataclass, replace
+
+import numpy as np
+
+from vipr.systems.gestures.allographs import allographs
+from vipr.systems.gestures.discriminative import MmiSpec, SharpBank, from_likelihood, sharpen
+from vipr.systems.gestures.hmm import HmmBank, score
+from vipr.systems.gestures.training import HmmSpec, choose_states, own_score, train
+from vipr.systems.gestures.trajectories import Distortion, Stream, describe, distort, fill_up, resample
+
+ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the number
+COPIES = 0.75  # share of distorted copies while sharpening
+CLAIMED = 0.1  # a class whose reversed examples are claimed by others more often than this is not taken backwards
+
+
+@dataclass(frozen=True, eq=False)
+class StreamModel:
+    """A stream's trained models; ``classes`` (M,) says of which gesture each is."""
+
+    stream: Stream
+    bank: SharpBank | HmmBank
+    classes: np.ndarray
+
+    def log_posterior(self, trajectories, prior: np.ndarray) -> np.ndarray:
+        """(N, C) of cleaned trajectories; ``prior`` (C,) are log probabilities, used by likelihood models."""
+        x = describe(resample(trajectories, self.stream.sampling, self.stream.points), self.stream)
+        if isinstance(self.bank, SharpBank):
+            return self.bank.log_posterior(x)
+        starts = np.flatnonzero(np.r_[True, np.diff(self.classes) > 0])
+        return np.maximum.reduceat(score(self.bank, x), starts, axis=1) + prior
+
+
+@dataclass(frozen=True)
+class StreamOptions:
+    """The classifier's parameters that concern one stream."""
+
+    states: int | str
+    covariance: str
+    mixtures: int
+    allograph_gain: float | None
+    discriminative: bool
+    distortion: float
+    backwards: float
+    updates: int
+    seed: int
+
+
+def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: StreamOptions, tick) -> StreamModel:
+    """Train on cleaned trajectories with labels (N,) in 0..C-1; ``tick()`` is called once an update."""
+    points = resample(trajectories, stream.sampling, stream.points)
+    how = Distortion(*(options.distortion * v for v in astuple(Distortion())))
+    rng = np.random.default_rng([options.seed, 1])
+    if options.allograph_gain is None:
+        model, classes = labels, np.arange(labels.max() + 1)
+    else:
+        shape = describe(points, replace(stream, features=("position",)))
+        model, classes = allographs(shape, labels, options.allograph_gain)
+    sharp = options.discriminative and len(classes) > 1 and labels.max() > 0
+    if sharp:
+        source = fill_up(labels, ENOUGH if options.distortion else 0)
+        copies = distort(points[source], stream.sampling, rng, how) if len(source) else points[:0]
+        points, labels, model = (
+            np.concatenate([a, b]) for a, b in ((points, copies), (labels, labels[source]), (model, model[source]))
+        )
+    x = describe(points, stream)
+    lengths = np.full(len(x), stream.points)
+    spec = HmmSpec(
+        8 if options.states == "validated" else options.states, 1 if sharp else options.mixtures,
+        "diag" if sharp else options.covariance, prior=2.0, segmental=6, baum_welch=5 if sharp else 20,
+    )  # fmt: skip
+    states = choose_states(x, lengths, model, spec) if options.states == "validated" else None
+    bank = train(x, lengths, model, spec, states)
+    if not sharp:
+        return StreamModel(stream, bank, classes)
+    turned = np.zeros(labels.max() + 1, bool)
+    if options.backwards:
+        turned = _unclaimed(bank, x, model, describe(points[:, ::-1], stream), labels, classes)
+    if turned.any():
+        extra = np.flatnonzero(turned[labels])
+        number = (np.cumsum(turned) - 1)[labels[extra]] + len(classes)
+        bank = train(
+            np.concatenate([x, describe(points[extra, ::-1], stream)]), np.full(len(x) + len(extra), stream.points),
+            np.concatenate([model, number]), spec, None if states is None else np.r_[states, np.full(turned.sum(), spec.states)],
+        )  # fmt: skip
+        classes = np.concatenate([classes, np.flatnonzero(turned)])
+        order = np.argsort(classes, kind="stable")
+        bank, classes = bank[order], classes[order]
+    mmi = MmiSpec(updates=options.updates, seed=options.seed)
+
+    def draw(chosen, rng):
+        p = points[chosen]
+        back = turned[labels[chosen]] & (rng.random(len(p)) < options.backwards)
+        p[back] = p[back, ::-1]
+        copied = rng.random(len(p)) < COPIES * (options.distortion > 0)
+        if copied.any():
+            p[copied] = distort(p[copied], stream.sampling, rng, how)
+        return describe(p, stream)
+
+    return StreamModel(stream, sharpen(from_likelihood(bank, x, classes, mmi.temper), draw, labels, mmi, tick), classes)
+
+
+def _unclaimed(bank, x, model, backwards, labels, classes):
+    """(C,) whether a class's examples taken backwards look like no other gesture.
+
+    Another class claims one if its likelihood there reaches what 95 % of that class's own examples reach.
+    """
+    own = own_score(bank, x, np.full(len(x), x.shape[1]), model)
+    usual = np.array([np.quantile(own[model == m], 0.05) for m in range(len(classes))])
+    out = np.zeros(labels.max() + 1, bool)
+    for c in range(len(out)):
+        members = np.flatnonzero(labels == c)[:200]
+        claims = (score(bank, backwards[members], method="viterbi") >= usual) & (classes != c)
+        out[c] = claims.any(axis=1).mean() <= CLAIMED
+    return out
