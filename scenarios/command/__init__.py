@@ -5,6 +5,7 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices: threads only fight over two cores
 
 import sys
+from typing import Annotated
 
 import typer
 
@@ -27,13 +28,39 @@ gestures.register(app)
 bench.register(app)
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"vipr {version('vipr')}, drake {version('drake')}, Python {sys.version.split()[0]}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print versions and exit.")
+    ] = False,
+) -> None:
+    pass
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command. Exit codes: 0 done, 1 the run failed its task, 2 bad input, 130 interrupted."""
     try:
-        app(arguments)
+        code = app(arguments, standalone_mode=False)
     except InputError as error:
         print_error(str(error))
-        sys.exit(2)
-    except KeyboardInterrupt:
+        code = 2
+    except (KeyboardInterrupt, typer.Abort):
         print_error("interrupted")
-        sys.exit(130)
+        code = 130
+    except Exception as error:
+        if not hasattr(error, "format_message"):  # of the command-line library: a wrong option, a missing argument
+            raise
+        if type(error).__name__ == "NoArgsIsHelpError":
+            print(error.format_message())
+        else:
+            print_error(error.format_message())
+        code = 2
+    sys.exit(code if isinstance(code, int) else 0)

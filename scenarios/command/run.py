@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from vipr.systems.errors import InputError
+
 Settings = Annotated[
     list[str], typer.Option("--set", metavar="KEY=VALUE", help="Change a setting, e.g. servo.gain=2; repeatable.")
 ]
@@ -34,7 +36,7 @@ def list_scenarios(as_json: AsJson = False) -> None:
 
 def run(
     scenario: Annotated[str, typer.Argument(help="Name of the scenario; see `vipr list`.")],
-    seed: Annotated[int, typer.Option(help="Everything random comes from it.", min=0)] = 0,
+    seed: Annotated[int, typer.Option(help="Everything random comes from it; 0 or larger.")] = 0,
     settings: Settings = [],  # noqa: B006 (typer copies it)
     out: Annotated[Path | None, typer.Option(help="Folder of the run; out/SCENARIO-seed-N if not given.")] = None,
     video: Annotated[bool, typer.Option("--video/--no-video", help="Write video.mp4.")] = True,
@@ -46,6 +48,8 @@ def run(
     from vipr.scenarios.settings import load_settings
 
     found = find_scenario(scenario)
+    if seed < 0:
+        raise InputError(f"--seed: must be 0 or larger, got {seed}")
     values = load_settings(found.settings_type, found.settings_file(), settings)
     folder = out or Path("out") / f"{scenario}-seed-{seed}"
     summary = run_scenario(found(values, seed), folder, video=video)
