@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: setup demo test lint format wheel clean
+.PHONY: setup demo test test-wheel lint format wheel clean
 
 setup: $(STAMP)
 
@@ -30,7 +30,13 @@ format: setup
 	$(BIN)/ruff format .
 
 wheel: setup
-	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+	rm -rf build dist
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist .
+
+test-wheel: wheel
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --target build/site dist/vipr-*.whl
+	PYTHONPATH=build/site VIPR_INSTALLED=build/site OPENBLAS_NUM_THREADS=1 \
+	$(BIN)/python -m pytest -n 2 -q tests/test_packaging.py tests/test_laws.py tests/models
 
 clean:
 	rm -rf $(VENV) build dist out *.egg-info

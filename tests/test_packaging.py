@@ -1,5 +1,6 @@
 """What is on disk is what is installed, under the one name ``vipr``."""
 
+import os
 import sys
 import tomllib
 from importlib.resources import files
@@ -21,6 +22,12 @@ def test_every_package_is_listed():
 
 def test_model_files_are_package_data():
     assert (files("vipr.models") / "package.xml").is_file()
+
+
+def test_it_is_the_wheel_that_is_tested_where_the_makefile_says_so():
+    installed = os.environ.get("VIPR_INSTALLED")
+    place = Path(vipr.systems.signals.__file__).resolve()
+    assert place.is_relative_to(ROOT / (installed or "systems"))
 
 
 def test_bare_names_are_not_imported():
