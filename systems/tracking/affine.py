@@ -39,9 +39,12 @@ class MotionModel:
 
 
 def _basis(points, centre, size, model):
-    x, y = ((points - centre) / size).T
-    columns = (np.ones(len(x)), x, y) + ((x * x, x * y, y * y) if model == "quadratic" else ())
-    return np.stack(columns, axis=1)
+    """(3, N) or (6, N): the monomials of the normalised points."""
+    basis = np.ones((PARAMETERS[model] // 2, len(points)))
+    x, y = basis[1:3] = (points.T - centre[:, None]) / size
+    if model == "quadratic":
+        basis[3:] = x * x, x * y, y * y
+    return basis
 
 
 def fit_affine(
@@ -74,31 +77,31 @@ def fit_affine(
             f"got {points.shape}, {normals.shape} and {displacements.shape}"
         )
     prior = np.ones(n) if weights is None else np.asarray(weights, float)
-    seen = np.isfinite(displacements) & np.isfinite(points).all(axis=1) & np.isfinite(normals).all(axis=1) & (prior > 0)
+    # One sum is finite where all of its terms are.
+    seen = np.isfinite(displacements + points[:, 0] + points[:, 1] + normals[:, 0] + normals[:, 1]) & (prior > 0)
     m = int(seen.sum())
     if m == 0:
         return MotionModel(model=model, theta=np.zeros((2, PARAMETERS[model] // 2)), weights=np.zeros(n))
     if m < n:
         points, normals, displacements, prior = points[seen], normals[seen], displacements[seen], prior[seen]
     centre = points.mean(axis=0)
-    size = max(float(np.sqrt(np.mean(np.square(points - centre)) * 2)), 1.0)
+    size = max(float(np.sqrt(points.var(axis=0).sum())), 1.0)
     basis = _basis(points, centre, size, model)
-    design = np.concatenate([normals[:, :1] * basis, normals[:, 1:] * basis], axis=1)
-    theta, w, scale = _reweighted(design, displacements, prior, estimator, iterations, tolerance)
-    values = np.linalg.eigvalsh((design * w[:, None]).T @ design)
+    rows = np.concatenate([normals[:, 0] * basis, normals[:, 1] * basis])
+    theta, w, scale = _reweighted(rows, displacements, prior, estimator, iterations, tolerance)
+    values = np.linalg.eigvalsh((rows * w) @ rows.T)
     all_weights = np.zeros(n)
     all_weights[seen] = w / prior
     valid = bool(m > PARAMETERS[model] and values[0] > 3 * TIKHONOV * values.mean())
     return MotionModel(model, theta.reshape(2, -1), centre, size, all_weights, scale, valid)
 
 
-def _reweighted(design, displacements, prior, estimator, iterations, tolerance):
-    rows = np.ascontiguousarray(design.T)
-    theta = _solve(rows, design, displacements, prior)
+def _reweighted(rows, displacements, prior, estimator, iterations, tolerance):
+    theta = _solve(rows, displacements, prior)
     w, scale = prior, SCALE_FLOOR
     middle = len(displacements) // 2
     for i in range(iterations if estimator != "none" else 0):
-        residuals = np.abs(displacements - design @ theta)
+        residuals = np.abs(displacements - theta @ rows)
         scale = max(1.48 * float(np.partition(residuals, middle)[middle]), SCALE_FLOOR)
         if estimator == "huber" or i < 2:
             w = prior * np.minimum(1.0, 1.345 * scale / (residuals + 1e-9))
@@ -107,16 +110,16 @@ def _reweighted(design, displacements, prior, estimator, iterations, tolerance):
             t *= -t
             t += 1.0
             w = prior * np.maximum(t, 0.0) ** 2
-        previous, theta = theta, _solve(rows, design, displacements, w)
+        previous, theta = theta, _solve(rows, displacements, w)
         if i >= 3 and np.abs(theta - previous).max() < tolerance:
             break
     return theta, w, scale
 
 
-def _solve(rows, design, displacements, w):
+def _solve(rows, displacements, w):
     """Weighted least squares; directions with hardly any information give zero: eigenvalue v counts as v^2/(v^2 + e^2)."""
     weighted = rows * w
-    H = weighted @ design
+    H = weighted @ rows.T
     # (H^2 + e^2)^-1 H g: one small solve instead of an eigendecomposition; OpenCV's has a fifth of numpy's overhead.
     square = H @ H
     square.flat[:: len(H) + 1] += (TIKHONOV * H.trace() / len(H)) ** 2 + 1e-30
@@ -127,4 +130,4 @@ def move_points(motion: MotionModel, points: np.ndarray) -> np.ndarray:
     """Points (..., 2) [px] where the motion takes them (equation 33)."""
     points = np.asarray(points, float)
     flat = points.reshape(-1, 2)
-    return (flat + _basis(flat, motion.centre, motion.size, motion.model) @ motion.theta.T).reshape(points.shape)
+    return (flat + (motion.theta @ _basis(flat, motion.centre, motion.size, motion.model)).T).reshape(points.shape)
