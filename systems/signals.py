@@ -83,6 +83,7 @@ class SkinRegions(Signal):
     boxes: np.ndarray = empty(0, 4)  # (n, 4) px: x, y, width, height
     person: np.ndarray = empty(0)  # (n,) 0 to 1: moves, differs from what always stood there
     faceness: np.ndarray = empty(0)  # (n,) 0 to 1: the marks of a face on the region's thickest part
+    moving: np.ndarray = empty(0)  # (n,) 0 to 1, share of its pixels that move
     cores: np.ndarray = empty(
         0, 3
     )  # (n, 3) px: x, y, radius of the largest disc inside, on the palm or the face rather than the arm

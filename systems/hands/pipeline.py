@@ -1,5 +1,6 @@
 """The whole chain of Fig. 3 as one pure function: an image and what was believed before give what is believed now."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -27,8 +28,18 @@ class PeopleBelief:
 
 
 def see_people(
-    image: np.ndarray, time: float, number: int, belief: PeopleBelief, options: SkinOptions = SkinOptions()
+    image: np.ndarray,
+    time: float,
+    number: int,
+    belief: PeopleBelief,
+    options: SkinOptions = SkinOptions(),
+    mark: Callable[[str], None] = lambda stage: None,
 ) -> PeopleBelief:
-    """The belief after an image (h, w, 3) BGR uint8 exposed at ``time`` [s], later than the one before."""
-    skin = see_skin(image, time, number, belief.skin, options, belief.tracks)
-    return PeopleBelief(skin, follow(skin.regions, belief.hands))
+    """The belief after an image (h, w, 3) BGR uint8 exposed at ``time`` [s], later than the one before.
+
+    ``mark`` is called with the name of each stage when it is done.
+    """
+    skin = see_skin(image, time, number, belief.skin, options, belief.tracks, mark)
+    hands = follow(skin.regions, belief.hands)
+    mark("tracking")
+    return PeopleBelief(skin, hands)

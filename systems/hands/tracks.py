@@ -100,11 +100,14 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     found = _candidates(regions, tracks)
     face = tracks.get("face")
     if face is not None:  # nor is a speck a hand
-        tracks = {name: t for name, t in tracks.items() if t.area > 0.1 * face.area}
+        tracks = {name: t for name, t in tracks.items() if t.area > (0.14 if t.life < 0.15 else 0.07) * face.area}
     labels, found = _cut_out_head(face, found, regions, u)
     choice = _assign(tracks, found, labels, dt, u)
     tracks = _measure(tracks, choice, found, labels, regions.motion, dt, u)
     free = [r for i, r in enumerate(found) if i not in choice.values()]
+    tracks = _look_for_better_face(
+        tracks, found[choice["face"]] if choice.get("face") is not None else None, free, labels, u
+    )
     tracks = _give_birth(tracks, free, labels, regions.motion, u)
     tracks, rival = _settle_face(tracks, belief.rival, dt)
     tracks, order = _settle_sides(tracks, belief.order, dt, u)
@@ -141,7 +144,7 @@ def _candidates(regions: SkinRegions, tracks: dict) -> list[_Region]:
         )  # fmt: skip
         head -= 0.3 * _enters(regions.labels, i, core)
         centre = (regions.centres[i] + 0.5) / s - 0.5
-        moving = float(np.mean(regions.motion[regions.labels == i + 1])) / 255.0
+        moving = float(regions.moving[i])
         found.append(
             _Region(i, centre, area, regions.boxes[i] / s, core, regions.person[i], float(head), moving=moving)
         )
@@ -167,10 +170,11 @@ def _cut_out_head(face: Track | None, found: list[_Region], regions: SkinRegions
         return regions.labels, found
     y, x = np.nonzero(regions.labels == row + 1)
     away = ((x - f.x) / (1.25 * radius)) ** 2 + ((y - f.y) / (1.55 * radius)) ** 2 > 1.0
+    neck = (np.abs(x - f.x) < radius) & (y > f.y) & (y < f.y + 3.2 * radius) & (regions.motion[y, x] < 60)
     labels = regions.labels.copy()
     labels[y[away], x[away]] = 0
     parts = np.zeros(labels.shape, np.uint8)
-    parts[y[away], x[away]] = 1
+    parts[y[away & ~neck], x[away & ~neck]] = 1
     n, pieces, stats, centres = cv2.connectedComponentsWithStats(
         cv2.erode(parts, np.ones((2, 2), np.uint8)), connectivity=4
     )
@@ -223,13 +227,15 @@ def _assign(tracks: dict, found: list[_Region], labels: np.ndarray, dt: float, u
             inside2 = gap**2 / (t.filter.pp + (SIGMA_N * u) ** 2) + 3.0
             centre_gap = np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y)
             size = np.log(max(r.area, 1.0) / max(t.area, 1.0))
-            look = 5.0 * max(0.0, (t.headlike - r.headlike if name == "face" else r.headlike - t.headlike) - 0.2)
-            cost = min(d2 + 1.5 * abs(size) + look, inside2 + 1.5 * max(0.0, -size) + 0.3 * look)
+            look = 8.0 * max(0.0, (t.headlike - r.headlike if name == "face" else r.headlike - t.headlike) - 0.2)
+            cost = min(
+                d2 + 1.5 * abs(size) + look, inside2 + 1.5 * max(0.0, -size) + look * (1.0 if name == "face" else 0.3)
+            )
             cost += 3.0 * max(0.0, 0.5 - r.person)
             if name != "face":
                 cost += 2.5 * max(0.0, 0.5 * t.life - r.moving)
-                if r.core[2] < 1.35 * u and not r.remnant:
-                    continue  # a thin line is no hand
+                if (r.core[2] < 1.35 * u or r.area < 0.3 * t.area) and not r.remnant:
+                    continue  # a thin line is no hand, nor a speck
             if min(d2, inside2) < GATE2 and min(gap, centre_gap) < gate and cost < COST_UNSEEN + 4.0:
                 costs[i] = cost, deep
         options.append(sorted(costs.items(), key=lambda kv: kv[1][0])[:4])
@@ -240,6 +246,11 @@ def _assign(tracks: dict, found: list[_Region], labels: np.ndarray, dt: float, u
         if any(i in shared and not deep for i, (_, deep) in combination):
             continue  # only a part that lies in a region can share it
         cost = sum(c for _, (c, _) in combination) + COST_SHARED * (len(taken) - len(set(taken)))
+        face_on = dict(zip(names, (i for i, _ in combination), strict=True)).get("face")
+        cost += sum(
+            10.0 for name, (i, _) in zip(names, combination, strict=True)
+            if name != "face" and i is not None and i != face_on and found[i].headlike > HEAD + 0.07 and "face" in tracks
+        )  # fmt: skip
         for i in shared:
             together = sum(tracks[name].area for name, (j, _) in zip(names, combination, strict=True) if j == i)
             cost += 4.0 * max(0.0, np.log(together / max(found[i].area, 1.0)) - 0.3)
@@ -266,7 +277,8 @@ def _measure(tracks: dict, choice: dict, found: list[_Region], labels, motion, d
             centre, area = _head_in(r, labels, expected, np.sqrt(t.area / np.pi / 1.3))
         else:
             centre, area = _hand_in(r, labels, motion, expected, _body(tracks, name))
-        f = kalman.update(t.filter, *centre, SIGMA_N * u)
+        far = np.hypot(*(centre - expected)) > (GATE[name][0] + GATE[name][1] * dt) * u
+        f = _anew(name, centre, u) if far else kalman.update(t.filter, *centre, SIGMA_N * u)
         rate = 0.15
         slow = 1.0 if r.area > 1.7 * area else 0.25  # s
         look = t.headlike if r.remnant or r.cut else t.headlike + (1 - np.exp(-dt / slow)) * (r.headlike - t.headlike)
@@ -370,6 +382,20 @@ def _give_birth(tracks: dict, free: list[_Region], labels: np.ndarray, motion: n
     return tracks
 
 
+def _look_for_better_face(tracks: dict, now: _Region | None, free: list[_Region], labels: np.ndarray, u: float) -> dict:
+    """The face moved at once to a region near by that looks far more like one than where the track has ended."""
+    face = tracks.get("face")
+    if face is None or now is None or now.cut or face.shared:
+        return tracks
+    reach = 6.0 * np.sqrt(face.area / np.pi)
+    near = [r for r in free if np.hypot(r.centre[0] - face.filter.x, r.centre[1] - face.filter.y) < reach]
+    best = max(near, key=lambda r: r.headlike, default=None)
+    if best is None or best.headlike < max(HEAD + 0.05, now.headlike + 0.2):
+        return tracks
+    free.remove(best)
+    return {**tracks, "face": replace(_born("face", *_head_in(best, labels, None, None), best, u), hits=face.hits)}
+
+
 def _hangs(r: _Region, face: Track) -> bool:
     """Whether a still region is where a hanging arm or resting hand would be."""
     head = 2.6 * np.sqrt(face.area / np.pi / 1.3)
@@ -418,9 +444,14 @@ def _by_side(free: list[_Region], missing: list, tracks: dict, middle: float, u:
     return [("left" if r.centre[0] > middle else "right", r)]
 
 
+def _anew(name: str, centre, u: float) -> Kalman:
+    """A filter that starts at a place, with no velocity."""
+    return kalman.start(*(float(c) for c in centre), SIGMA_N * u, SIGMA_V[name] * u)
+
+
 def _born(name: str, centre, area: float, r: _Region, u: float) -> Track:
     return Track(
-        kalman.start(*(float(c) for c in centre), SIGMA_N * u, SIGMA_V[name] * u),
+        _anew(name, centre, u),
         max(area, 1.0),
         headlike=r.headlike,
         life=r.moving,

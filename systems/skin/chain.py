@@ -3,6 +3,7 @@
 :class:`~vipr.systems.skin.segmenter.SkinSegmenter` is the shell. All state is in :class:`SkinBelief`, a value.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import cv2
@@ -15,9 +16,10 @@ from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, histogram
 from vipr.systems.skin.colour_model import ColourModel, doubt_table, initial_model, possible_table, skin_table
 from vipr.systems.skin.density import components, density
 from vipr.systems.skin.locus import SkinBox, box_table
-from vipr.systems.skin.regions import describe
+from vipr.systems.skin.regions import Found, describe
 from vipr.systems.skin.scene import Scene
 
+LEARN_EVERY = 0.1  # s
 DARKEST = 36.0  # R + G + B below which chromaticity is noise
 CLASSIFIERS = ("ratio", "box", "hsi")
 
@@ -48,6 +50,7 @@ class SkinBelief:
     scene: Scene | None = None
     gains: np.ndarray = field(default_factory=lambda: np.ones(3))  # of B, G, R, that undo the present light
     regions: SkinRegions = field(default_factory=SkinRegions)
+    learned: float = 0.0  # s, when the model was last adapted
 
     def __copy__(self):
         return self
@@ -118,55 +121,75 @@ def see_skin(
     belief: SkinBelief,
     options: SkinOptions = SkinOptions(),
     tracks: HandTracks | None = None,
+    mark: Callable[[str], None] = lambda stage: None,
 ) -> SkinBelief:
     """The belief after a frame (h, w, 3) BGR uint8 exposed at ``time`` [s]; its ``regions`` are the frame's.
 
-    ``tracks`` are those of the frame before: what is followed is not taken for a thing of the room, however still it is.
+    ``tracks`` are those of the frame before: what is followed is not taken for a thing of the room, however still it is. ``mark`` is called
+    with the name of each stage when it is done, for whoever wants to time it.
     """
     small, scale = reduce(image, options.working_area)
-    dt = float(np.clip(time - belief.regions.time, 1e-3, 0.5)) if belief.scene is not None else 0.04
-    cut = belief.scene is None or belief.scene.sure.shape != small.shape[:2]
-    gains = belief.gains
+    u = unit(small.shape)
+    mark("reduction")
+    gains, cut = belief.gains, belief.scene is None or belief.scene.sure.shape != small.shape[:2]
     if not cut and options.follow_light:
         gains = scene.light_change(small, belief.scene, gains)
+        mark("light")
     colours = chromaticity(small, gains)
-    cut = cut or scene.is_cut(colours.pixels, belief.scene)
-    if cut:
-        belief, gains = SkinBelief(), np.ones(3)
+    if cut or scene.is_cut(colours.pixels, belief.scene):
+        belief, gains, cut = SkinBelief(learned=time), np.ones(3), True
         colours = chromaticity(small, gains)
-        still = scene.new_scene(colours.pixels)
+        still, stood = scene.new_scene(colours.pixels), np.zeros(small.shape[:2], np.float32)
         rest = _rest(colours, colours.total >= DARKEST, still)
         model = colour_model.adapt(belief.model, np.zeros_like(rest), rest, 0.3)
-        stood = np.zeros(small.shape[:2], np.float32)
     else:
-        model = belief.model
-        still, stood = scene.watch(colours.pixels, belief.scene, odd(11 * unit(small.shape)), dt)
+        model, dt = belief.model, min(max(time - belief.regions.time, 1e-3), 0.5)
+        mark("segmentation")
+        still, stood = scene.watch(colours.pixels, belief.scene, odd(11 * u), dt)
+        mark("motion")
     skin = classify(small, colours, model, options)
     if options.classifier == "ratio" and model.share < 0.6:
         skin = _moving(skin, colours, still)
     if options.still_scene:
         skin = cv2.multiply(skin, 1.0 - 0.95 * stood, dtype=cv2.CV_8U)
-    u = unit(small.shape)
-    labels, _, boxes = components(density(skin, odd(3.4 * u)), 120, 8.0 * u * u, options.most_regions)
-    centres, areas, person, faceness, cores = describe(labels, boxes, skin, still)
-    if options.still_scene or options.adapt:
-        on_person = _person_pixels(labels, person)
-        followed = _followed(labels, tracks, scale) if tracks is not None and not cut else on_person
-        if tracks is not None:
-            followed |= _person_pixels(labels, np.where(faceness > 0.25, person, 0.0))
-        still = scene.settle(still, colours.pixels, cv2.dilate(followed, np.ones((3, 3), np.uint8)) > 0, dt)
-        if options.adapt:
-            model = _learn(model, colours, skin, labels, on_person, cores, faceness, still, dt, options)
-    order = np.argsort(-person * np.sqrt(areas), kind="stable")
+    mark("segmentation")
+    dense = density(skin, odd(3.4 * u))
+    mark("density")
+    labels, _, boxes = components(dense, 120, 8.0 * u * u, options.most_regions)
+    mark("components")
+    found = describe(labels, boxes, skin, scene.brightness(colours.pixels), still)
+    mark("description")
+    learned = belief.learned
+    if cut or time - learned >= LEARN_EVERY - 1e-6:
+        since, learned = (0.04 if cut else min(time - learned, 0.5)), time
+        still, model = _learn(
+            model, colours, skin, labels, found, still, tracks if not cut else None, scale, since, options
+        )
+        mark("learning")
+    regions = _regions(found, labels, boxes, still, scale, image.shape)
+    regions = replace(regions, cut=cut, time=time, number=number)
+    return SkinBelief(model, still, gains, regions, learned)
+
+
+def _regions(found: Found, labels: np.ndarray, boxes: np.ndarray, still: Scene, scale: float, shape) -> SkinRegions:
+    """What was found as a signal, in pixels of the frame, by falling evidence."""
+    order = np.argsort(-found.person * np.sqrt(found.areas), kind="stable")
     rename = np.zeros(256, np.uint8)
     rename[order + 1] = np.arange(1, len(order) + 1)
-    regions = SkinRegions(
-        centres=(centres[order] + 0.5) * scale - 0.5, areas=areas[order] * scale**2, boxes=boxes[order] * scale, person=person[order],
-        faceness=faceness[order], cores=_in_frame(cores[order], scale), labels=cv2.LUT(labels, rename),
-        motion=cv2.convertScaleAbs(still.motion, alpha=255.0), scale=scale, size=(image.shape[1], image.shape[0]), cut=cut, time=time,
-        number=number,
-    )  # fmt: skip
-    return replace(belief, model=model, scene=still, gains=gains, regions=regions)
+    cores = found.cores[order]
+    return SkinRegions(
+        centres=(found.centres[order] + 0.5) * scale - 0.5,
+        areas=found.areas[order] * scale**2,
+        boxes=boxes[order] * scale,
+        person=found.person[order],
+        faceness=found.faceness[order],
+        cores=np.column_stack([(cores[:, :2] + 0.5) * scale - 0.5, cores[:, 2] * scale]),
+        moving=found.moving[order],
+        labels=cv2.LUT(labels, rename),
+        motion=cv2.convertScaleAbs(still.motion, alpha=255.0),
+        scale=scale,
+        size=(shape[1], shape[0]),
+    )
 
 
 def _moving(skin: np.ndarray, colours: Chromaticity, still: Scene) -> np.ndarray:
@@ -174,11 +197,6 @@ def _moving(skin: np.ndarray, colours: Chromaticity, still: Scene) -> np.ndarray
     p = skin.astype(np.float32)
     boost = 9.0 * still.motion * (lookup(possible_table(), colours.index) * (colours.total > 0))
     return cv2.convertScaleAbs(p * (1 + boost) / (1 + p * boost / 255.0))
-
-
-def _in_frame(cores: np.ndarray, scale: float) -> np.ndarray:
-    """Cores in pixels of the frame."""
-    return np.column_stack([(cores[:, :2] + 0.5) * scale - 0.5, cores[:, 2] * scale])
 
 
 def _person_pixels(labels: np.ndarray, person: np.ndarray) -> np.ndarray:
@@ -200,22 +218,32 @@ def _followed(labels: np.ndarray, tracks: HandTracks, scale: float) -> np.ndarra
     return about & np.minimum(labels, 1)
 
 
-def _learn(model, colours, skin, labels, on_person, cores, faceness, still, dt, options) -> ColourModel:
-    """Skin from the face and from what moves in the person's regions, the rest from outside them and from the still scene."""
-    bright = colours.total >= DARKEST
-    person = on_person.astype(bool)
-    sample = (skin > 60) & (still.motion > 0.25) & person
-    trust = 0.6
-    if len(faceness) and faceness.max() > 0.25:
-        best = int(np.argmax(faceness))
-        x, y, r = cores[best]
+def _learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, options):
+    """The still scene and the colour model after ``dt`` s.
+
+    Skin is learned from the face and from what moves in the person's regions, the rest from outside them and from the still scene.
+    """
+    on_person = _person_pixels(labels, found.person)
+    if options.still_scene or options.adapt:
+        kept = on_person
+        if tracks is not None:
+            kept = _followed(labels, tracks, scale) | _person_pixels(
+                labels, np.where(found.faceness > 0.25, found.person, 0.0)
+            )
+        still = scene.settle(still, colours.pixels, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
+    if not options.adapt:
+        return still, model
+    bright, person = colours.total >= DARKEST, on_person > 0
+    sample, trust = (skin > 60) & (still.motion > 0.25) & person, 0.6
+    if len(found.faceness) and found.faceness.max() > 0.25:
+        best = int(np.argmax(found.faceness))
+        x, y, r = found.cores[best]
         ellipse = np.zeros_like(skin)
         cv2.ellipse(ellipse, (round(x), round(y)), (max(1, round(0.95 * r)), max(1, round(1.2 * r))), 0, 0, 360, 1, -1)
         sample |= (ellipse > 0) & (labels == best + 1) & (skin > 40)
-        trust = float(np.clip(faceness[best] / 0.4, 0.6, 1.0))
-    return colour_model.adapt(
-        model, histogram(colours.index[sample & bright]), _rest(colours, bright & ~person, still), dt, trust
-    )
+        trust = float(np.clip(found.faceness[best] / 0.4, 0.6, 1.0))
+    rest = _rest(colours, bright & ~person, still)
+    return still, colour_model.adapt(model, histogram(colours.index[sample & bright]), rest, dt, trust)
 
 
 def _rest(colours: Chromaticity, outside: np.ndarray, still: Scene) -> np.ndarray:

@@ -1,5 +1,7 @@
 """The regions of a frame with what speaks for each: centre of gravity, size, motion, and the look of a face."""
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
@@ -7,11 +9,22 @@ from vipr.systems.skin.face_marks import face_marks
 from vipr.systems.skin.scene import Scene
 
 
-def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, scene: Scene):
-    """Centres (n, 2), areas (n,), person (n,), faceness (n,) and cores (n, 3) of the labelled regions; pixels of ``labels``.
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The regions of one frame, in pixels of the labels."""
 
-    Centres are weighted by ``skin`` (h, w) uint8, so that the border that the density adds counts little.
-    """
+    centres: (
+        np.ndarray
+    )  # (n, 2) centre of gravity, weighted by skin, so that the border that the density adds counts little
+    areas: np.ndarray  # (n,)
+    person: np.ndarray  # (n,) 0 to 1
+    faceness: np.ndarray  # (n,) 0 to 1
+    cores: np.ndarray  # (n, 3) x, y, radius
+    moving: np.ndarray  # (n,) 0 to 1
+
+
+def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, luma: np.ndarray, scene: Scene) -> Found:
+    """What speaks for each of the labelled regions; ``skin`` (h, w) uint8, boxes (n, 4) x y w h."""
     n = len(boxes)
     width = labels.shape[1]
     index = np.flatnonzero(labels)
@@ -25,13 +38,14 @@ def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, scene: Sce
     centres = np.stack([np.bincount(region, weight * x, n) / safe, np.bincount(region, weight * y, n) / safe], axis=1)
     alive = np.bincount(region, scene.alive.ravel()[index], n) / count
     known = np.bincount(region, scene.sure.ravel()[index], n) / count
+    moving = np.bincount(region, scene.motion.ravel()[index], n) / count
     cores = find_cores(labels, boxes)
     faceness = np.zeros(n)
     likely = np.flatnonzero(known < 0.8)[:4]  # regions come by falling area
     if len(likely):
-        faceness[likely] = np.clip(face_marks(scene.luma, cores[likely]), 0.0, 1.0)
+        faceness[likely] = np.clip(face_marks(luma, cores[likely]), 0.0, 1.0)
     person = 1.0 / (1.0 + np.exp(-(4.0 * alive + 3.0 * faceness - 3.0 * known - 0.8)))
-    return centres, mass, person, faceness, cores
+    return Found(centres, mass, person, faceness, cores, moving)
 
 
 def find_cores(labels: np.ndarray, boxes: np.ndarray) -> np.ndarray:

@@ -13,6 +13,8 @@ SETTLE = 1.2  # s after which an unchanging pixel is surely background
 FORGET = 0.6  # s after which a changed pixel is no longer
 MOTION_HALF_LIFE = 0.35  # s, of the motion energy
 ALIVE_HALF_LIFE = 4.0  # s, for which a place where something moved is kept out of the background
+_NEIGHBOURS = np.ones((3, 3), np.uint8)
+SAMPLES = 1200  # pixels that the light is judged by
 _LUMA = np.array([[0.25, 0.5, 0.25]], np.float32)
 
 
@@ -22,27 +24,34 @@ class Scene:
 
     pixels: np.ndarray  # (h, w, 3) float32 BGR
     sure: np.ndarray  # (h, w) float32, 0 to 1: known to be background
-    luma: np.ndarray  # (h, w) float32 of the frame before
+    luma: np.ndarray  # (h, w) float32 of about 0.1 s before
     motion: np.ndarray  # (h, w) float32, 0 to 1: moved just now
     alive: np.ndarray  # (h, w) float32, 0 to 1: something moved near here in the last seconds
     noise: float = 2.0  # grey levels, of the difference of two frames
 
 
+def brightness(pixels: np.ndarray) -> np.ndarray:
+    """(h, w) float32 of pixels (h, w, 3)."""
+    return cv2.transform(pixels, _LUMA)
+
+
 def new_scene(pixels: np.ndarray) -> Scene:
     """The scene after its first frame (h, w, 3) float32: nothing is known to be background."""
     zero = np.zeros(pixels.shape[:2], np.float32)
-    return Scene(pixels, zero, cv2.transform(pixels, _LUMA), zero, zero)
+    return Scene(pixels, zero, brightness(pixels), zero, zero)
 
 
 def light_change(raw: np.ndarray, scene: Scene, gains: np.ndarray) -> np.ndarray:
     """(3,) gains that bring the picture raw (h, w, 3) uint8 to the still scene's light; ``gains`` where too little of it is visible."""
-    now, then = raw[::3, ::3].reshape(-1, 3).astype(np.float32), scene.pixels[::3, ::3].reshape(-1, 3)
-    usable = (now.min(1) > 8) & (now.max(1) < 250) & (scene.alive[::3, ::3].ravel() < 0.3) & (then.min(1) > 4)
-    if np.count_nonzero(usable) < 80:
+    step = max(3, round((raw.shape[0] * raw.shape[1] / SAMPLES) ** 0.5))
+    now, then = (a[::step, ::step].reshape(-1, 3).astype(np.float32) for a in (raw, scene.pixels))
+    usable = (now > 8).all(1) & (now < 250).all(1) & (then > 4).all(1) & (scene.alive[::step, ::step].ravel() < 0.3)
+    if np.count_nonzero(usable) < 60:
         return gains
     ratio = then[usable] / now[usable]
-    fresh = np.median(ratio, axis=0)
-    spread = np.median(np.abs(ratio / fresh - 1.0))
+    middle = len(ratio) // 2
+    fresh = np.partition(ratio, middle, axis=0)[middle]
+    spread = np.partition(np.abs(ratio[:, 1] / fresh[1] - 1.0), middle)[middle]
     if spread > 0.25:  # another view, not another light
         return gains
     return np.clip(fresh, 0.15, 6.0)
@@ -50,17 +59,22 @@ def light_change(raw: np.ndarray, scene: Scene, gains: np.ndarray) -> np.ndarray
 
 def is_cut(pixels: np.ndarray, scene: Scene) -> bool:
     """Whether this is a picture of something else: most of it differs from the frame before."""
-    luma = cv2.transform(pixels, _LUMA)[::3, ::3]
+    luma = brightness(pixels)[::3, ::3]
     difference = np.abs(luma - scene.luma[::3, ::3])
     return bool(np.mean(difference > 18.0 + 6.0 * scene.noise) > 0.5)
 
 
 def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float) -> tuple[Scene, np.ndarray]:
     """The scene after ``dt`` s with its motion; and (h, w) float32, 0 to 1, how surely each pixel shows what always stood there."""
-    luma = cv2.transform(pixels, _LUMA)
-    difference = cv2.absdiff(luma, scene.luma)
-    noise = 0.9 * scene.noise + 0.1 * float(np.clip(np.median(difference[::4, ::4]) * 1.5, 0.5, 12.0))
-    moved = (difference > 4.0 + 4.0 * noise).astype(np.float32)
+    luma = brightness(pixels)
+    # Beyond all of the neighbourhood then: an edge under a trembling camera is not motion.
+    above = cv2.subtract(luma, cv2.dilate(scene.luma, _NEIGHBOURS))
+    below = cv2.subtract(cv2.erode(scene.luma, _NEIGHBOURS), luma)
+    difference = cv2.max(above, below)
+    some = np.abs(luma[::6, ::6] - scene.luma[::6, ::6]).ravel()
+    level = float(np.partition(some, len(some) // 2)[len(some) // 2]) * 1.5
+    noise = 0.9 * scene.noise + 0.1 * min(max(level, 0.5), 12.0)
+    moved = (difference > 3.0 + 2.5 * noise).astype(np.float32)
     # A lone noisy pixel is not motion: a third of the 3x3 neighbours must agree.
     moved *= cv2.blur(moved, (3, 3)) > 0.3
     motion = np.maximum(scene.motion * np.float32(0.5 ** (dt / MOTION_HALF_LIFE)), moved)
@@ -69,7 +83,7 @@ def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float) -> tuple[Sce
     away = cv2.absdiff(pixels, scene.pixels)
     away = np.maximum(np.maximum(away[:, :, 0], away[:, :, 1]), away[:, :, 2])
     same = (away < 5.0 + 4.0 * noise + 0.04 * luma).astype(np.float32)
-    return Scene(scene.pixels, scene.sure, luma, motion, alive, noise), same * scene.sure
+    return Scene(scene.pixels, scene.sure, scene.luma, motion, alive, noise), same * scene.sure
 
 
 def settle(scene: Scene, pixels: np.ndarray, person: np.ndarray, dt: float) -> Scene:
@@ -84,4 +98,4 @@ def settle(scene: Scene, pixels: np.ndarray, person: np.ndarray, dt: float) -> S
     rate = np.where(same, np.float32(min(1.0, dt * 1.5)), np.float32(0.0))
     rate[sure <= 0.0] = 1.0
     picture = scene.pixels + rate[:, :, None] * (pixels - scene.pixels)
-    return Scene(picture, sure, scene.luma, scene.motion, scene.alive, scene.noise)
+    return Scene(picture, sure, brightness(pixels), scene.motion, scene.alive, scene.noise)

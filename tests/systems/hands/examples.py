@@ -26,6 +26,7 @@ def regions_of(parts, time, number, size=(160, 120)):
         faceness=table[:, 7].copy(),
         cores=np.column_stack([table[:, :2], table[:, 5] / 2]),
         labels=labels,
+        moving=np.zeros(len(table)),
         motion=np.zeros_like(labels),
         scale=1.0,
         size=size,
