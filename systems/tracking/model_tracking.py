@@ -14,7 +14,7 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
-from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict
+from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle
 from vipr.systems.tracking.pose_fit import corner_shift, move, point_jacobian
 from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt
 from vipr.systems.tracking.texture import Keyframe, choose_keyframe, correlation_at, learn_keyframe
@@ -127,7 +127,7 @@ def step(
     if not image.size:
         state = "uncertain" if belief.state == "tracking" else belief.state
         return replace(belief, motion=ahead, state=state, time=time, number=number, nodes=0, residual_px=float("nan"))
-    sight = Sight(image, model, lens, settings, occluders_C, belief, dt)
+    sight = Sight(image, model, lens, settings, occluders_C, belief, ahead, dt)
     best = _search(belief, ahead, sight)
     return _conclude(belief, ahead, best, sight, time, number)
 
@@ -147,19 +147,19 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
         X_start = options[int(np.argmax(likeness))]
     depth = 1 if max(spread, apart) < 2.0 else 2
     if belief.X_CO_given is not None:
-        return acquire(sight, belief.X_CO_given, ahead.covariance[:6, :6])
-    best = attempt(sight, X_start, keyframe, depth, ahead.covariance[:6, :6])
+        return acquire(sight, belief.X_CO_given)
+    best = attempt(sight, X_start, keyframe, depth)
     if best.evidence.score > 0.7 or not sight.settings.second_try:
         return best
     starts = [ahead.X_CO, belief.X_CO] if apart > 1.0 else [ahead.X_CO]
     if belief.X_CO_good is not None and belief.doubtful > 0:
         starts.append(belief.X_CO_good)
     sight.open(starts, margin=3.0 * sight.settings.reach)
-    for X in starts:
-        for k in {id(k): k for k in (keyframe, None)}.values():
-            other = attempt(sight, X, k, 3, ahead.covariance[:6, :6], far=True)
-            if other.evidence.score > best.evidence.score:
-                best = other
+    ways = [{"keyframe": keyframe, "far": True}, {"keyframe": None, "far": True}][keyframe is None :]
+    for X, way in [(ahead.X_CO, {"keyframe": None, "near": True}), *((X, way) for X in starts for way in ways)]:
+        other = attempt(sight, X, depth=3, **way)
+        if other.evidence.score > best.evidence.score:
+            best = other
         if best.evidence.score > 0.8:
             break
     return best
@@ -171,7 +171,8 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     state = "tracking" if good else "lost" if score < LOST or belief.doubtful >= 4 else "uncertain"
     keyframes = belief.keyframes
     if score > LOST:
-        motion = correct(ahead, best.X_CO, best.covariance)
+        update = correct if belief.X_CO_given is not None else settle
+        motion = update(ahead, best.X_CO, best.covariance)
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
     if score > 0.8 and sight.settings.texture:

@@ -40,6 +40,20 @@ def predict(motion: Motion, dt: float, spin: float, speed: float, keep: float = 
     return Motion(move(motion.X_CO, motion.V_CO * dt), keep * motion.V_CO, F @ motion.covariance @ F.T + Q)
 
 
+def settle(predicted: Motion, X_CO: np.ndarray, covariance: np.ndarray) -> Motion:
+    """The predicted motion once a fit has weighed it against a measurement: X_CO is where both together put the pose.
+
+    covariance (6, 6): of the measurement alone. The twist follows as far as it goes with the pose.
+    """
+    P = predicted.covariance
+    gain = np.linalg.solve(P[:6, :6] + covariance, P[:6]).T
+    V = predicted.V_CO + P[6:, :6] @ np.linalg.solve(P[:6, :6] + 1e-15 * np.eye(6), difference(predicted.X_CO, X_CO))
+    I_KH = np.eye(12)
+    I_KH[:, :6] -= gain
+    P = I_KH @ P @ I_KH.T + gain @ covariance @ gain.T
+    return Motion(X_CO, V, 0.5 * (P + P.T))
+
+
 def correct(predicted: Motion, X_CO: np.ndarray, covariance: np.ndarray) -> Motion:
     """The predicted motion corrected by a measured pose with its (6, 6) covariance."""
     P = predicted.covariance

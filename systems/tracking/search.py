@@ -9,6 +9,7 @@ from vipr.systems.tracking.affine import fit_affine, move_points
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import Evidence, weigh
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
+from vipr.systems.tracking.motion_filter import Motion
 from vipr.systems.tracking.normal_flow import cut_patch, find_edges
 from vipr.systems.tracking.pose_fit import (
     Prior,
@@ -19,6 +20,7 @@ from vipr.systems.tracking.pose_fit import (
     fit_pose,
     move,
     normal_jacobian,
+    solve,
 )
 from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
 from vipr.systems.tracking.texture import Keyframe, TextureFit, align, choose_keyframe, pyramid, view_difference
@@ -36,17 +38,18 @@ class Attempt:
     """Where the object was found, and what speaks for it."""
 
     X_CO: np.ndarray
-    covariance: np.ndarray  # (6, 6)
+    covariance: np.ndarray  # (6, 6) of what the image says, without the prediction
     evidence: Evidence
 
 
 class Sight:
     """What one step looks at and with: the image, the model, what is known, and the patch of the image that the search needs."""
 
-    def __init__(self, image, model: CadModel, lens: Lens, settings, occluders_C, belief, dt: float):
+    def __init__(self, image, model: CadModel, lens: Lens, settings, occluders_C, belief, ahead: Motion, dt: float):
         self.image, self.model, self.lens, self.settings, self.occluders_C = image, model, lens, settings, occluders_C
         self.keyframes, self.doubtful = belief.keyframes, belief.doubtful
         self.X_CO_last, self.V_CO, self.dt = belief.X_CO, belief.V_CO, dt
+        self.X_CO_ahead, self.information = ahead.X_CO, np.linalg.inv(ahead.covariance[:6, :6] + 1e-12 * np.eye(6))
         self.patch, self._pyramid = None, None
 
     def open(self, poses: list[np.ndarray], margin: float) -> None:
@@ -69,16 +72,16 @@ def attempt(
     X_CO: np.ndarray,
     keyframe: Keyframe | None,
     depth: int,
-    covariance: np.ndarray,
     far: bool = False,
     near: bool = False,
 ) -> Attempt:
-    """Search from X_CO, whose covariance (6, 6) is the prediction's.
+    """Search from X_CO.
 
-    depth: coarsest pyramid level for the texture; far: the longest reach; near: X_CO is already at the edges.
+    depth: coarsest pyramid level for the texture; far: the longest reach; near: X_CO is already at the edges. The prediction, with its
+    covariance, decides what neither texture nor edges show.
     """
     texture, prior = None, None
-    information = np.linalg.inv(covariance + 1e-12 * np.eye(6))
+    information = sight.information
     if keyframe is not None and sight.settings.texture:
         texture = _align(sight, X_CO, keyframe, depth, information)
         if texture.significance > FOLLOWED:
@@ -97,7 +100,7 @@ def attempt(
             X_CO,
             sight.settings.fine_reach,
             (1.3,) if sharp else (2.0, 1.3),
-            _about(X_CO, X_aim, prior),
+            _about(sight, X_CO, X_aim, prior),
             doubt,
             texture,
             sharp,
@@ -111,7 +114,7 @@ def attempt(
     evidence = weigh(matches, fit, texture, keyframe, shown)
     if sight.keyframes and texture is None:  # an unknown side of it: believed only if it has just turned there
         evidence = replace(evidence, unproven=sight.doubtful > 0 or view_difference(sight.X_CO_last, X_CO) > 0.25)
-    return Attempt(X_CO, np.linalg.inv(fit.information + 1e-3 * information), evidence)
+    return Attempt(X_CO, np.linalg.inv(fit.information - information + 1e-3 * information), evidence)
 
 
 def _recognise(sight, X_CO, information):
@@ -125,24 +128,24 @@ def _recognise(sight, X_CO, information):
     return keyframe, fit
 
 
-def acquire(sight: Sight, X_CO_given: np.ndarray, covariance: np.ndarray) -> Attempt:
+def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
     """The first frame after a pose was given from outside.
 
     If the edges are where the pose says, it is taken. Otherwise its error may be tens of pixels: many starts about it, and the best by a
     margin. The pose given counts as a measurement of its own, the less the further the image is from it.
     """
     sight.open([X_CO_given], margin=3.0 * sight.settings.reach)
-    best = attempt(sight, X_CO_given, None, 0, covariance, near=True)
+    best = attempt(sight, X_CO_given, None, 0, near=True)
     off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
     believed = best.evidence.score > GIVEN_IS_GOOD and (agreement > 0.5 or best.evidence.edges > 0.8)
     if not believed and sight.settings.start_search:
-        best = _acquire_far(sight, X_CO_given, covariance, best, agreement)
+        best = _acquire_far(sight, X_CO_given, best, agreement)
         off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
     X, fit, matches, _ = edge_pass(
         sight, best.X_CO, sight.settings.fine_reach, (1.3,), Prior(off, agreement * aim), sharp=True
     )
     evidence = replace(weigh(matches, fit), given=agreement)
-    return Attempt(X, np.linalg.inv(fit.information + 1e-3 * np.linalg.inv(covariance)), evidence)
+    return Attempt(X, np.linalg.inv(fit.information + 1e-3 * sight.information), evidence)
 
 
 def _agreement(sight, X_CO, X_CO_given):
@@ -152,7 +155,7 @@ def _agreement(sight, X_CO, X_CO_given):
     return off, aim, 1.0 / (1.0 + float(off @ aim @ off) / 150.0) ** 2
 
 
-def _acquire_far(sight, X_CO_given, covariance, near, agreement):
+def _acquire_far(sight, X_CO_given, near, agreement):
     """The best of the attempts from the places that a search over tens of pixels finds, and of the near one, by chamfer cost."""
     model, lens, hidden_by = sight.model, sight.lens, sight.occluders_C
     field = field_around(sight.image, model, lens, X_CO_given)
@@ -160,7 +163,7 @@ def _acquire_far(sight, X_CO_given, covariance, near, agreement):
         return near
     poses = search_start(field, model, lens, X_CO_given, occluders_C=hidden_by)
     sight.open([X_CO_given, *poses], margin=3.0 * sight.settings.reach)
-    tries = [near, *(attempt(sight, X, None, 0, covariance, near=True) for X in poses)]
+    tries = [near, *(attempt(sight, X, None, 0, near=True) for X in poses)]
     costs = [pose_cost(field, model, lens, one.X_CO, hidden_by) for one in tries]
     costs[0] -= 0.25 * agreement  # px: what is given and found again needs less proof
     return tries[int(np.argmin(costs))]
@@ -179,8 +182,13 @@ def _align(sight, X_CO, keyframe, depth, information):
     return best
 
 
-def _about(X_CO, X_aim, information):
-    return None if information is None else Prior(difference(X_CO, X_aim), information)
+def _about(sight, X_CO, X_aim, information):
+    """Prior of the displacement from X_CO: the prediction, and a pose X_aim of the given information (None: nothing more)."""
+    off = difference(X_CO, sight.X_CO_ahead)
+    if information is None:
+        return Prior(off, sight.information)
+    both = sight.information + information
+    return Prior(solve(both, sight.information @ off + information @ difference(X_CO, X_aim)), both)
 
 
 def edge_pass(
@@ -273,5 +281,6 @@ def _find_far(sight, X_CO, reach):
         steps = search_steps(thin, X_CO, sight.lens, V_CO, sight.dt)
         X_CO = fit_gradients(sight.patch, thin, X_CO, sight.lens, steps).X_CO
     widths = (0.6 * reach, 0.4 * reach, 4.0, 3.0, 2.0)
-    options = [edge_pass(sight, X, reach, widths) for X in ((X_start, X_CO) if X_CO is not X_start else (X_start,))]
+    starts = (X_start, X_CO) if X_CO is not X_start else (X_start,)
+    options = [edge_pass(sight, X, reach, widths, _about(sight, X, None, None)) for X in starts]
     return max(options, key=lambda o: weigh(o[2], o[1]).quality)[0]
