@@ -15,7 +15,7 @@ from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle
-from vipr.systems.tracking.pose_fit import corner_shift, move, point_jacobian
+from vipr.systems.tracking.pose_fit import corner_shift, difference, move, point_jacobian
 from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt
 from vipr.systems.tracking.texture import Keyframe, choose_keyframe, correlation_at, learn_keyframe
 
@@ -69,6 +69,7 @@ class Belief:
     X_CO_good: np.ndarray | None = None  # the last pose that was tracked
     doubtful: int = 0  # frames in a row that were not tracked
     started: bool = False  # whether an initial pose was ever given
+    agility: float = 1.0  # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings
 
     def __deepcopy__(self, memo):
         return self  # immutable: a context clone copies nothing
@@ -127,7 +128,9 @@ def step(
     if not image.size:
         state = "uncertain" if belief.state == "tracking" else belief.state
         return replace(belief, motion=ahead, state=state, time=time, number=number, nodes=0, residual_px=float("nan"))
-    sight = Sight(image, model, lens, settings, occluders_C, belief, ahead, dt)
+    steady = predict(belief.motion, dt, belief.agility * settings.spin_noise, belief.agility * settings.speed_noise)
+    steady = steady if settings.prediction else ahead
+    sight = Sight(image, model, lens, settings, occluders_C, belief, ahead, dt, steady)
     best = _search(belief, ahead, sight)
     return _conclude(belief, ahead, best, sight, time, number)
 
@@ -149,6 +152,13 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     if belief.X_CO_given is not None:
         return acquire(sight, belief.X_CO_given)
     best = attempt(sight, X_start, keyframe, depth)
+    if not best.textured and belief.agility < 1.0 and not sight.goes_steadily(best.X_CO, 4.0):
+        # Edges alone, and not where the motion led: as many edges nearer to the prediction count for more.
+        sight.expect(sight.steady)
+        other = attempt(sight, sight.steady.X_CO, None, depth, near=True)
+        if other.evidence.edges > best.evidence.edges - 0.15:
+            best = other
+        sight.expect(ahead)
     if best.evidence.score > 0.7 or not sight.settings.second_try:
         return best
     starts = [ahead.X_CO, belief.X_CO] if apart > 1.0 else [ahead.X_CO]
@@ -156,6 +166,7 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
         starts.append(belief.X_CO_good)
     sight.open(starts, margin=3.0 * sight.settings.reach)
     ways = [{"keyframe": keyframe, "far": True}, {"keyframe": None, "far": True}][keyframe is None :]
+    sight.expect(ahead)
     for X, way in [(ahead.X_CO, {"keyframe": None, "near": True}), *((X, way) for X in starts for way in ways)]:
         other = attempt(sight, X, depth=3, **way)
         if other.evidence.score > best.evidence.score:
@@ -172,7 +183,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     keyframes = belief.keyframes
     if score > LOST:
         update = correct if belief.X_CO_given is not None else settle
-        motion = update(ahead, best.X_CO, best.covariance)
+        motion = update(best.ahead or ahead, best.X_CO, best.covariance)
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
     if score > 0.8 and sight.settings.texture:
@@ -190,7 +201,15 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         motion.X_CO if good else belief.X_CO_good,
         0 if good else belief.doubtful + 1,
         True,
+        _agility(belief, ahead, motion) if good else 1.0,
     )
+
+
+def _agility(belief: Belief, ahead: Motion, motion: Motion) -> float:
+    """How far the object has lately left its predictions, as a share of the accelerations that the settings expect."""
+    off = difference(ahead.X_CO, motion.X_CO)
+    surprise = np.sqrt(float(off @ np.linalg.solve(ahead.covariance[:6, :6] + 1e-12 * np.eye(6), off)) / 6.0)
+    return float(np.clip(max(0.85 * belief.agility, 2.0 * surprise), 0.08, 1.0))
 
 
 def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, evidence: Evidence) -> tuple[Keyframe, ...]:

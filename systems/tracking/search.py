@@ -40,17 +40,30 @@ class Attempt:
     X_CO: np.ndarray
     covariance: np.ndarray  # (6, 6) of what the image says, without the prediction
     evidence: Evidence
+    ahead: Motion | None = None  # the prediction that it was weighed against
+    textured: bool = False  # whether texture led there
 
 
 class Sight:
     """What one step looks at and with: the image, the model, what is known, and the patch of the image that the search needs."""
 
-    def __init__(self, image, model: CadModel, lens: Lens, settings, occluders_C, belief, ahead: Motion, dt: float):
+    def __init__(self, image, model: CadModel, lens: Lens, settings, occluders_C, belief, ahead: Motion, dt: float, steady: Motion):
         self.image, self.model, self.lens, self.settings, self.occluders_C = image, model, lens, settings, occluders_C
         self.keyframes, self.doubtful = belief.keyframes, belief.doubtful
         self.X_CO_last, self.V_CO, self.dt = belief.X_CO, belief.V_CO, dt
-        self.X_CO_ahead, self.information = ahead.X_CO, np.linalg.inv(ahead.covariance[:6, :6] + 1e-12 * np.eye(6))
+        self.steady = steady
+        self.expect(ahead)
         self.patch, self._pyramid = None, None
+
+    def expect(self, ahead: Motion) -> None:
+        """Take this prediction as the prior of the fits."""
+        self.ahead = ahead
+        self.X_CO_ahead, self.information = ahead.X_CO, np.linalg.inv(ahead.covariance[:6, :6] + 1e-12 * np.eye(6))
+
+    def goes_steadily(self, X_CO: np.ndarray, limit: float = 25.0) -> bool:
+        """Whether a pose is what the motion so far leads to (squared Mahalanobis distance of six parameters below the limit)."""
+        off = difference(self.steady.X_CO, X_CO)
+        return float(off @ np.linalg.solve(self.steady.covariance[:6, :6] + 1e-12 * np.eye(6), off)) < limit
 
     def open(self, poses: list[np.ndarray], margin: float) -> None:
         """Cut the patch that holds the model at all the poses, and margin [px] around it."""
@@ -88,6 +101,9 @@ def attempt(
             X_CO = texture.X_CO
             own = np.linalg.inv(texture.information + 1e-6 * np.diag(texture.information.diagonal() + 1e-9))
             prior = np.linalg.inv(own + keyframe.covariance)
+            if sight.goes_steadily(X_CO):
+                sight.expect(sight.steady)
+                information = sight.information
     if prior is None and not near:
         X_CO = _find_far(sight, X_CO, sight.settings.reach * (2.0 if far else 1.0))
     # What is wrong with an edge in one frame is wrong in the next: the keyframe's pose has counted it already.
@@ -114,7 +130,8 @@ def attempt(
     evidence = weigh(matches, fit, texture, keyframe, shown)
     if sight.keyframes and texture is None:  # an unknown side of it: believed only if it has just turned there
         evidence = replace(evidence, unproven=sight.doubtful > 0 or view_difference(sight.X_CO_last, X_CO) > 0.25)
-    return Attempt(X_CO, np.linalg.inv(fit.information - information + 1e-3 * information), evidence)
+    covariance = np.linalg.inv(fit.information - information + 1e-3 * information)
+    return Attempt(X_CO, covariance, evidence, sight.ahead, prior is not None)
 
 
 def _recognise(sight, X_CO, information):
