@@ -17,6 +17,14 @@ def box(x=0.1, y=0.07, z=0.05):
     return build_model(Shape("box", corners, faces))
 
 
+def l_shape():
+    """A flat L, 100 mm long [m]: not convex."""
+    outline = ((0, 0), (0.1, 0), (0.1, 0.05), (0.05, 0.05), (0.05, 0.1), (0, 0.1))
+    points = np.array([[x, y, z] for z in (0, 0.05) for x, y in outline])
+    sides = tuple((i, (i + 1) % 6, 6 + (i + 1) % 6, 6 + i) for i in range(6))
+    return build_model(Shape("L", points, (tuple(range(6)), tuple(range(6, 12)), *sides)))
+
+
 def picture(model, X_CO, lens=LENS, shades=(60, 200, 120, 230, 90, 160), background=30):
     """Flat-shaded grey picture of a convex model, drawn four times as fine."""
     fine = Lens(4 * lens.width, 4 * lens.height, 4 * lens.fx, 4 * lens.fy, 4 * lens.cx + 1.5, 4 * lens.cy + 1.5)

@@ -43,7 +43,7 @@ class TrackerSettings:
     second_try: bool = True  # other starts and longer searches when the evidence is thin
     start_search: bool = True  # look around a pose that was given, which may be tens of pixels off
     initial_px: float = 1.0  # px, how well a given pose places the model's corners if it is good
-    model_error: float = 0.1  # px, least error of an edge of the model, common to its nodes
+    model_error: float = 0.3  # px, least error of an edge of the model, common to its nodes
     spin_noise: float = 30.0  # rad/s^2, RMS angular acceleration expected
     speed_noise: float = 4.0  # m/s^2, RMS acceleration expected
 
@@ -69,7 +69,9 @@ class Belief:
     X_CO_good: np.ndarray | None = None  # the last pose that was tracked
     doubtful: int = 0  # frames in a row that were not tracked
     started: bool = False  # whether an initial pose was ever given
-    agility: float = 1.0  # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings
+    agility: float = (
+        1.0  # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings
+    )
 
     def __deepcopy__(self, memo):
         return self  # immutable: a context clone copies nothing
@@ -152,7 +154,7 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     if belief.X_CO_given is not None:
         return acquire(sight, belief.X_CO_given)
     best = attempt(sight, X_start, keyframe, depth)
-    if not best.textured and belief.agility < 1.0 and not sight.goes_steadily(best.X_CO, 4.0):
+    if best.led_by is None and belief.agility < 1.0 and not sight.goes_steadily(best.X_CO, 4.0):
         # Edges alone, and not where the motion led: as many edges nearer to the prediction count for more.
         sight.expect(sight.steady)
         other = attempt(sight, sight.steady.X_CO, None, depth, near=True)
@@ -186,6 +188,8 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         motion = update(best.ahead or ahead, best.X_CO, best.covariance)
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
+    if best.led_by is not None:
+        keyframes = _doubt(keyframes, best)
     if score > 0.8 and sight.settings.texture:
         keyframes = _learn(keyframes, motion, sight, best.evidence)
     return Belief(
@@ -210,6 +214,16 @@ def _agility(belief: Belief, ahead: Motion, motion: Motion) -> float:
     off = difference(ahead.X_CO, motion.X_CO)
     surprise = np.sqrt(float(off @ np.linalg.solve(ahead.covariance[:6, :6] + 1e-12 * np.eye(6), off)) / 6.0)
     return float(np.clip(max(0.85 * belief.agility, 2.0 * surprise), 0.08, 1.0))
+
+
+def _doubt(keyframes: tuple[Keyframe, ...], best: Attempt) -> tuple[Keyframe, ...]:
+    """Less confidence in the pose of a keyframe that led where the edges do not fit: they may put it right."""
+    fits = best.evidence.sigma < 1.0 and best.evidence.edges > 0.4
+    if fits:
+        return keyframes
+    weaker = replace(best.led_by, covariance=1.5 * best.led_by.covariance, trust=0.93 * best.led_by.trust)
+    kept = tuple(weaker if k is best.led_by else k for k in keyframes)
+    return tuple(k for k in kept if k.trust > 0.4 or k is kept[0])
 
 
 def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, evidence: Evidence) -> tuple[Keyframe, ...]:

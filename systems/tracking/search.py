@@ -41,13 +41,24 @@ class Attempt:
     covariance: np.ndarray  # (6, 6) of what the image says, without the prediction
     evidence: Evidence
     ahead: Motion | None = None  # the prediction that it was weighed against
-    textured: bool = False  # whether texture led there
+    led_by: Keyframe | None = None  # whose texture led there
 
 
 class Sight:
     """What one step looks at and with: the image, the model, what is known, and the patch of the image that the search needs."""
 
-    def __init__(self, image, model: CadModel, lens: Lens, settings, occluders_C, belief, ahead: Motion, dt: float, steady: Motion):
+    def __init__(
+        self,
+        image,
+        model: CadModel,
+        lens: Lens,
+        settings,
+        occluders_C,
+        belief,
+        ahead: Motion,
+        dt: float,
+        steady: Motion,
+    ):
         self.image, self.model, self.lens, self.settings, self.occluders_C = image, model, lens, settings, occluders_C
         self.keyframes, self.doubtful = belief.keyframes, belief.doubtful
         self.X_CO_last, self.V_CO, self.dt = belief.X_CO, belief.V_CO, dt
@@ -93,14 +104,14 @@ def attempt(
     depth: coarsest pyramid level for the texture; far: the longest reach; near: X_CO is already at the edges. The prediction, with its
     covariance, decides what neither texture nor edges show.
     """
-    texture, prior = None, None
+    texture, prior, led_by = None, None, None
     information = sight.information
     if keyframe is not None and sight.settings.texture:
         texture = _align(sight, X_CO, keyframe, depth, information)
         if texture.significance > FOLLOWED:
             X_CO = texture.X_CO
             own = np.linalg.inv(texture.information + 1e-6 * np.diag(texture.information.diagonal() + 1e-9))
-            prior = np.linalg.inv(own + keyframe.covariance)
+            prior, led_by = np.linalg.inv(own + keyframe.covariance), keyframe
             if sight.goes_steadily(X_CO):
                 sight.expect(sight.steady)
                 information = sight.information
@@ -131,7 +142,7 @@ def attempt(
     if sight.keyframes and texture is None:  # an unknown side of it: believed only if it has just turned there
         evidence = replace(evidence, unproven=sight.doubtful > 0 or view_difference(sight.X_CO_last, X_CO) > 0.25)
     covariance = np.linalg.inv(fit.information - information + 1e-3 * information)
-    return Attempt(X_CO, covariance, evidence, sight.ahead, prior is not None)
+    return Attempt(X_CO, covariance, evidence, sight.ahead, led_by)
 
 
 def _recognise(sight, X_CO, information):
