@@ -44,6 +44,7 @@ class AlignSettings:
     start_offset_m: float = 0.12  # how far to the side of its goal the hand starts at most
     start_turn_deg: float = 20.0
     camera: Imperfection = Imperfection()
+    supersampling: int = 2  # of the rendering, 1 to 4
     tracker: TrackerSettings = TrackerSettings()
     servo: PositionBased = PositionBased()
     target: TargetMotion = TargetMotion()
@@ -55,6 +56,8 @@ class AlignSettings:
     def __post_init__(self):
         if self.object not in object_names():
             raise InputError(f"align: unknown object {self.object!r}; there are: {', '.join(object_names())}")
+        if not 1 <= self.supersampling <= 4:
+            raise InputError(f"align: supersampling must be 1 to 4, got {self.supersampling}")
         for name in ("approach_s", "settle_s"):
             if not 0.5 <= getattr(self, name) <= 600:
                 raise InputError(f"align: {name} must be 0.5 to 600 s, got {getattr(self, name)}")
@@ -100,6 +103,7 @@ class Align(Scenario):
             q_initial=self._start(X_WO @ self._X_OG, rng),
             X_WC=X_WC,
             imperfection=s.camera,
+            supersampling=s.supersampling,
             seed=seed,
         )
         X_CO = se3.inverse(X_WC) @ X_WO

@@ -22,8 +22,10 @@ class Camera(LeafSystem):
         output_ports:
         - frame
 
-    ``color_image`` is Drake's rendered ImageRgba8U, evaluated (and so rendered) at the ticks only. ``frame`` (CameraFrame, BGR) holds
-    the last tick's picture; before the first tick, and after a tick whose frame is dropped, its image is empty. Same seed, same bytes.
+    ``color_image`` is Drake's rendered ImageRgba8U, evaluated (and so rendered) at the ticks only, with ``supersampling`` times as many
+    pixels each way; a pixel of the frame is the mean of its pixels, as a sensor's cell integrates over its area. ``frame`` (CameraFrame,
+    BGR) holds the last tick's picture; before the first tick, and after a tick whose frame is dropped, its image is empty. Same seed, same
+    bytes.
     """
 
     def __init__(
@@ -32,6 +34,7 @@ class Camera(LeafSystem):
         height: int,
         *,
         imperfection: Imperfection = Imperfection(),
+        supersampling: int = 1,
         seed: int = 0,
         period: float = 0.04,
         offset: float = 0.0,
@@ -39,7 +42,8 @@ class Camera(LeafSystem):
         super().__init__()
         self._electronics = ImperfectCamera(imperfection, width, height, seed)
         self._period, self._offset = period, offset
-        self._picture = self.DeclareAbstractInputPort("color_image", Value(ImageRgba8U(width, height)))
+        self._size, k = (width, height), supersampling
+        self._picture = self.DeclareAbstractInputPort("color_image", Value(ImageRgba8U(k * width, k * height)))
         state = self.DeclareAbstractState(Value(CameraFrame()))
         self._frame = state
         self.DeclareStateOutputPort("frame", state)
@@ -52,6 +56,7 @@ class Camera(LeafSystem):
             with LEDGER.charge("render"):
                 rendered = self._picture.Eval(context)
             with LEDGER.charge("camera"):
-                image = self._electronics.expose(cv2.cvtColor(rendered.data, cv2.COLOR_RGBA2BGR), number)
+                picture = cv2.resize(rendered.data, self._size, interpolation=cv2.INTER_AREA)
+                image = self._electronics.expose(cv2.cvtColor(picture, cv2.COLOR_RGBA2BGR), number)
         frame = CameraFrame(image=image, time=context.get_time(), number=number)
         state.get_mutable_abstract_state(self._frame).set_value(frame)

@@ -54,9 +54,14 @@ def daylight() -> RenderEngineVtkParams:
     return RenderEngineVtkParams(lights=lights)
 
 
-def colour_sensor(lens: Lens, X_WC: RigidTransform, renderer: str) -> RgbdSensor:
-    """A camera fixed in the world with the lens's intrinsics; only its colour image is meant to be used."""
-    info = CameraInfo(lens.width, lens.height, lens.fx, lens.fy, lens.cx + 0.5, lens.cy + 0.5)
+def colour_sensor(lens: Lens, X_WC: RigidTransform, renderer: str, supersampling: int = 1) -> RgbdSensor:
+    """A camera fixed in the world with the lens's intrinsics, ``supersampling`` times as many pixels each way.
+
+    Only its colour image is meant to be used.
+    """
+    k = supersampling
+    cx, cy = k * (lens.cx + 0.5), k * (lens.cy + 0.5)
+    info = CameraInfo(k * lens.width, k * lens.height, k * lens.fx, k * lens.fy, cx, cy)
     core = RenderCameraCore(renderer, info, ClippingRange(0.05, 20.0), RigidTransform())
     depth = DepthRenderCamera(core, DepthRange(0.1, 15.0))
     return RgbdSensor(SceneGraph.world_frame_id(), X_WC, ColorRenderCamera(core), depth)

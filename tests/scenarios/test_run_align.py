@@ -13,7 +13,7 @@ SHORT = [
     f"--set={setting}"
     for setting in ("approach_s=2", "settle_s=0.5", "cruise_s=0", "start_offset_m=0.02", "start_turn_deg=5")
 ]
-BRIEF = [f"--set={setting}" for setting in ("approach_s=0.5", "settle_s=0.5", "cruise_s=0")]
+BRIEF = [f"--set={setting}" for setting in ("approach_s=0.5", "settle_s=0.5", "cruise_s=0", "supersampling=1")]
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from vipr.systems.tracking.cad_model import load_model
 
 
 def workcell():
-    config = WorkcellConfig()
+    config = WorkcellConfig(supersampling=1)
     system = Workcell(config)
 
     def fix(context, t):
@@ -22,7 +22,7 @@ def workcell():
 
 
 def align_robot():
-    config = WorkcellConfig()
+    config = WorkcellConfig(supersampling=1)
     X_CO = se3.inverse(config.X_WC) @ standing(config.stage_initial)
     X_OG = se3.pose(np.diag([1.0, -1.0, -1.0]), [0, 0, 0.3])
     model = load_model(model_path("milk_carton/model.yaml"))
