@@ -27,6 +27,7 @@ class Fit:
     chosen: np.ndarray  # (N,) index of the hypothesis
     weight: np.ndarray  # (N,) 0 to 1
     sigma: float  # px, robust RMS residual
+    spread: float = 0.0  # px^2, variance of what the nodes of an edge have in common
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +108,7 @@ def fit_pose(
     model_error: float = 0.1,
     doubt: float = 1.0,
     node_weight: np.ndarray | float = 1.0,
+    spread: float | None = None,
 ) -> Fit:
     """Displacement that brings the nodes to their edges.
 
@@ -116,8 +118,8 @@ def fit_pose(
 
     edge (N,): which edge each node is on. What the nodes of one edge have in common (a model that is a little wrong, a shadow
     beside the edge) does not average out over them: the residuals' spread between edges, at least model_error [px], is counted once
-    an edge, in the weights and in the information; `doubt` multiplies its variance. node_weight (N,):
-    0 to 1, confidence in a node from elsewhere.
+    an edge, in the weights and in the information; `doubt` multiplies the spread, and `spread` [px^2]
+    stands for it if given. node_weight (N,): 0 to 1, confidence in a node from elsewhere.
     """
     N = len(J)
     prior_information = prior.information if prior is not None else np.zeros((6, 6))
@@ -142,7 +144,7 @@ def fit_pose(
     rows = np.arange(N)
     far_preferred = 2.0 * widths[-1] * (1.0 - preference)
     members = np.bincount(edge) if edge is not None else None
-    common = 1.0
+    common, own = 1.0, 0.0
     for _ in range(3):
         r = far - (J @ d)[:, None]
         chosen = (np.abs(r) + far_preferred).argmin(1)
@@ -157,13 +159,15 @@ def fit_pose(
             held = np.bincount(edge, w)
             mean = np.bincount(edge, w * residual) / np.maximum(held, 1e-9)
             mean = mean[held > 0.3 * members]
-            spread = float(mean @ mean) / max(len(mean) - 4, 1)  # the pose has taken up some of it
-            common = 1.0 / (1.0 + held * (max(spread, model_error**2) * doubt / sigma**2))[edge]
+            # The pose has taken up some of it, and noise makes some.
+            noise = sigma**2 * len(mean) / max(float(w.sum()), 1.0)
+            own = spread if spread is not None else max(float(mean @ mean) / max(len(mean) - 4, 1) - noise, 0.0)
+            common = 1.0 / (1.0 + held * (max(doubt * own, model_error**2) / sigma**2))[edge]
         WJ = Jt * (w * common / sigma**2)
         H = WJ @ J
         d = solve(H + base, WJ @ offset[rows, chosen] + prior_pull)
     residual = np.where(present[rows, chosen], (far - (J @ d)[:, None])[rows, chosen], np.nan)
-    return Fit(d, H + prior_information, residual, chosen, w, sigma)
+    return Fit(d, H + prior_information, residual, chosen, w, sigma, own)
 
 
 def solve(H: np.ndarray, g: np.ndarray) -> np.ndarray:

@@ -131,6 +131,7 @@ def attempt(
             doubt,
             texture,
             sharp,
+            None if prior is None else _about(sight, X_CO, X_CO, None),
         )
         near = corner_shift(sight.model, sight.lens, X_before, X_CO) < 0.7
         if near and (sharp or not sight.settings.sharp):
@@ -170,7 +171,7 @@ def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
         best = _acquire_far(sight, X_CO_given, best, agreement)
         off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
     X, fit, matches, _ = edge_pass(
-        sight, best.X_CO, sight.settings.fine_reach, (1.3,), Prior(off, agreement * aim), sharp=True
+        sight, best.X_CO, sight.settings.fine_reach, (1.3,), Prior(off, agreement * aim), 2.0, sharp=True
     )
     evidence = replace(weigh(matches, fit), given=agreement)
     return Attempt(X, np.linalg.inv(fit.information + 1e-3 * sight.information), evidence)
@@ -228,26 +229,33 @@ def edge_pass(
     doubt: float = 1.0,
     texture: TextureFit | None = None,
     sharp: bool = False,
+    alone: Prior | None = None,
 ):
     """Nodes, edges within reach [px] and one robust fit: (pose, Fit, Matches, how far the texture shows each node uncovered).
 
     sharp: near the pose the sharp derivative decides, wherever the edge is clear of the noise, and the nearest edge wins.
+    alone: the prior without the texture, where there is one.
     """
     settings = sight.settings
     nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
     matches = _look(sight, nodes, reach, SHARP_REACH if sharp and settings.sharp else 0.0)
     J = normal_jacobian(nodes, X_CO, sight.lens)
     shown = _shown(nodes.pixel, texture)
+    likely = preferences(matches)
+    free = None
+    if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
+        free = fit_pose(J, matches, likely, widths, alone, nodes.edge, model_error=settings.model_error, node_weight=shown).spread
     fit = fit_pose(
         J,
         matches,
-        preferences(matches),
+        likely,
         widths,
         prior,
         nodes.edge,
         model_error=settings.model_error,
         doubt=doubt,
         node_weight=shown,
+        spread=free,
     )
     return move(X_CO, fit.d), fit, matches, shown
 

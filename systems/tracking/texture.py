@@ -24,6 +24,7 @@ HALF = 3  # px; a patch is 7 x 7 samples at each level
 LEVELS = 4
 VISIBLE = 0.35  # share of the patches that is taken to be visible, at least
 CHANCE = 0.1  # share of patches that look right at a wrong pose, at most (textures repeat themselves)
+ABOVE_NOISE = 1.8  # a patch needs an RMS contrast, and gradients both ways, of so many times the noise's
 ALIKE = 0.7  # correlation of a patch that looks right
 GRID_Y, GRID_X = (g.reshape(-1).astype(np.float32) for g in np.mgrid[-HALF : HALF + 1, -HALF : HALF + 1])
 SAMPLES = len(GRID_X)
@@ -70,7 +71,7 @@ def pyramid(patch: Patch) -> list[Patch]:
     levels = [patch]
     for _ in range(LEVELS - 1):
         grey = levels[-1].grey
-        levels.append(Patch(cv2.pyrDown(grey) if min(grey.shape) > 8 else grey[::2, ::2], patch.origin, patch.noise))
+        levels.append(Patch(cv2.pyrDown(grey) if min(grey.shape) > 8 else grey[::2, ::2], patch.origin, 0.45 * levels[-1].noise))
     return levels
 
 
@@ -91,8 +92,8 @@ def _normalised(values, noise):
     """Samples with mean removed and at length one, and that length; patches no stronger than the noise become zero."""
     values = values - values.sum(1, keepdims=True) * np.float32(1.0 / SAMPLES)
     length = np.sqrt((values * values).sum(1))
-    floor = max(noise, 1.0) * 2.0 * (2 * HALF + 1)
-    return values * np.where(length > 0.35 * floor, 1.0 / np.maximum(length, 1e-6), 0.0)[:, None], length
+    floor = ABOVE_NOISE * max(noise, 0.5) * (2 * HALF + 1)
+    return values * np.where(length > floor, 1.0 / np.maximum(length, 1e-6), 0.0)[:, None], length
 
 
 def learn_keyframe(
@@ -142,6 +143,13 @@ def learn_keyframe(
             behind = _sample(level, scale, pixel - scale * np.array(shift), upright)
             slope = 0.5 * (ahead - behind)
             gradient[k, axis] = (slope - slope.mean(1, keepdims=True)) * alive
+        if k == 0:  # too little to see in one direction or another: such a patch would follow its noise
+            a, b, c = ((gradient[0, i] * gradient[0, j]).sum(1) * length**2 for i, j in ((0, 0), (1, 1), (0, 1)))
+            least = 0.5 * (a + b - np.sqrt((a - b) ** 2 + 4.0 * c * c))
+            clear = least > ABOVE_NOISE**2 * 0.5 * max(level.noise, 0.5) ** 2 * P
+    if clear.sum() < 6:
+        return None
+    p_C, normal_C, axes_C, looks, gradient = p_C[clear], normal_C[clear], axes_C[clear], looks[:, clear], gradient[:, :, clear]
     R, t = X_CO[:3, :3], X_CO[:3, 3]
     return Keyframe(X_CO, covariance, (p_C - t) @ R, normal_C @ R, axes_C @ R, looks, gradient, trust)
 
