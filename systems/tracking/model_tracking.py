@@ -154,8 +154,8 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     if belief.X_CO_given is not None:
         return acquire(sight, belief.X_CO_given)
     best = attempt(sight, X_start, keyframe, depth)
-    if best.led_by is None and belief.agility < 1.0 and not sight.goes_steadily(best.X_CO, 4.0):
-        # Edges alone, and not where the motion led: as many edges nearer to the prediction count for more.
+    if best.led_by is None and belief.agility < 1.0:
+        # Edges alone: as many edges nearer to where the motion leads count for more.
         sight.expect(sight.steady)
         other = attempt(sight, sight.steady.X_CO, None, depth, near=True)
         if other.evidence.edges > best.evidence.edges - 0.15:
@@ -213,7 +213,8 @@ def _agility(belief: Belief, ahead: Motion, motion: Motion) -> float:
     """How far the object has lately left its predictions, as a share of the accelerations that the settings expect."""
     off = difference(ahead.X_CO, motion.X_CO)
     surprise = np.sqrt(float(off @ np.linalg.solve(ahead.covariance[:6, :6] + 1e-12 * np.eye(6), off)) / 6.0)
-    return float(np.clip(max(0.85 * belief.agility, 2.0 * surprise), 0.08, 1.0))
+    grown = min(1.5 * surprise, 1.5 * belief.agility + 0.1)
+    return float(np.clip(max(0.85 * belief.agility, grown), 0.08, 1.0))
 
 
 def _doubt(keyframes: tuple[Keyframe, ...], best: Attempt) -> tuple[Keyframe, ...]:

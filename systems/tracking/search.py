@@ -244,7 +244,9 @@ def edge_pass(
     likely = preferences(matches)
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
-        free = fit_pose(J, matches, likely, widths, alone, nodes.edge, model_error=settings.model_error, node_weight=shown).spread
+        free = fit_pose(
+            J, matches, likely, widths, alone, nodes.edge, model_error=settings.model_error, node_weight=shown
+        ).spread
     fit = fit_pose(
         J,
         matches,

@@ -71,7 +71,9 @@ def pyramid(patch: Patch) -> list[Patch]:
     levels = [patch]
     for _ in range(LEVELS - 1):
         grey = levels[-1].grey
-        levels.append(Patch(cv2.pyrDown(grey) if min(grey.shape) > 8 else grey[::2, ::2], patch.origin, 0.45 * levels[-1].noise))
+        levels.append(
+            Patch(cv2.pyrDown(grey) if min(grey.shape) > 8 else grey[::2, ::2], patch.origin, 0.45 * levels[-1].noise)
+        )
     return levels
 
 
@@ -149,7 +151,13 @@ def learn_keyframe(
             clear = least > ABOVE_NOISE**2 * 0.5 * max(level.noise, 0.5) ** 2 * P
     if clear.sum() < 6:
         return None
-    p_C, normal_C, axes_C, looks, gradient = p_C[clear], normal_C[clear], axes_C[clear], looks[:, clear], gradient[:, :, clear]
+    p_C, normal_C, axes_C, looks, gradient = (
+        p_C[clear],
+        normal_C[clear],
+        axes_C[clear],
+        looks[:, clear],
+        gradient[:, :, clear],
+    )
     R, t = X_CO[:3, :3], X_CO[:3, 3]
     return Keyframe(X_CO, covariance, (p_C - t) @ R, normal_C @ R, axes_C @ R, looks, gradient, trust)
 
