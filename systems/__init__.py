@@ -1,1 +1,24 @@
-"""The stages, in the order the data flows."""
+"""The stages, in the order the data flows: each a pure module beside a thin LeafSystem.
+
+=========== ============================ ============================================================= =======
+stage       system                       ports                                                         rate
+=========== ============================ ============================================================= =======
+camera      camera.Camera                color_image -> frame                                          25 Hz
+skin        segmenter.SkinSegmenter      frame -> regions                                              25 Hz
+hands       tracker.HandTracker          regions -> hand_tracks                                        25 Hz
+gestures    recogniser.GestureRecogniser hand_tracks -> gesture                                        25 Hz
+pose        (pure)                       points and pixels -> poses
+tracking    tracker.ModelTracker         frame, initial_pose, occluders -> object_pose                 25 Hz
+servo       controller.PositionBasedServo object_pose, joint_state -> V_WE_W, servo_error              25 Hz
+arm         commander.ArmCommander       V_WE_W -> desired_state, limited_by                           100 Hz
+arm         encoders.JointEncoders       state -> joint_state                                          none held
+hand        driver.HandDriver            motor_command, torque_limit, hand_state, joint_torque ->      200 Hz
+                                         desired_state, motor_position, motor_torque, clutch,
+                                         finger_torque
+recording   recorder.Recorder            one port a channel                                            25 Hz
+truth       PoseTruth, TrackingError,    body_poses -> X_WO_true, X_WE_true, X_CO_true; errors         25 Hz
+            AlignmentError
+=========== ============================ ============================================================= =======
+
+``signals`` holds every value that crosses an abstract port, ``se3`` rigid motions, ``errors`` the user's errors, ``timing`` the wall time.
+"""
