@@ -4,14 +4,9 @@ import numpy as np
 
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.encoders import JointEncoders
-from vipr.systems.arm.kinematics import SerialArm
+from vipr.systems.arm.puma560 import WRIST as ARM
 from vipr.systems.arm.resolved_rate import JointLimits
 
-ARM = SerialArm(
-    d=np.array([0.67, 0, 0.15, 0.43, 0, 0]),
-    a=np.array([0, 0.43, 0.02, 0, 0, 0]),
-    alpha=np.deg2rad([90, 0, -90, 90, -90, 0]),
-)
 LIMITS = JointLimits(lower=np.full(6, -3.0), upper=np.full(6, 3.0), speed=np.full(6, 1.5), acceleration=np.full(6, 8.0))
 Q = np.array([0.1, 0.8, -2.5, 0.1, 0.9, 0.2])
 

@@ -6,16 +6,11 @@ from pydrake.common.value import Value
 from pydrake.systems.analysis import Simulator
 
 from vipr.systems import se3
-from vipr.systems.arm.kinematics import SerialArm
+from vipr.systems.arm.puma560 import WRIST as ARM
 from vipr.systems.errors import InputError
 from vipr.systems.servo.controller import PositionBasedServo
 from vipr.systems.signals import ObjectPose
 
-ARM = SerialArm(
-    d=np.array([0.67, 0, 0.15, 0.43, 0, 0]),
-    a=np.array([0, 0.43, 0.02, 0, 0, 0]),
-    alpha=np.deg2rad([90, 0, -90, 90, -90, 0]),
-)
 Q = np.array([0.1, 0.8, -2.5, 0.1, 0.9, 0.2])
 SHIFT = np.array([0.02, -0.01, 0.03])
 
