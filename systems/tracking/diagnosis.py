@@ -45,7 +45,7 @@ class Evidence:
             # Patches that agree while the edges do not: they may have been learnt at a wrong pose.
             by_texture = self.trust * _logistic(1.2 * (self.texture - 4.5)) * min(max(0.4 + 2.0 * self.edges, 0.3), 1.0)
         by_edges = _logistic(z)
-        if (self.unproven or (self.patches >= 8 and self.texture < 3.0)) and self.edges < 0.85:
+        if (self.unproven or (self.patches >= 8 and self.texture < 4.0)) and self.edges < 0.85:
             by_edges = min(by_edges, 0.45)  # edges there are everywhere
         by_hand = 0.9 * self.given * _logistic(-3.0 + 12.0 * self.edges)
         return 1.0 - (1.0 - by_edges) * (1.0 - by_texture) * (1.0 - by_hand)

@@ -109,6 +109,7 @@ def fit_pose(
     doubt: float = 1.0,
     node_weight: np.ndarray | float = 1.0,
     spread: float | None = None,
+    anneal: bool = True,
 ) -> Fit:
     """Displacement that brings the nodes to their edges.
 
@@ -119,7 +120,8 @@ def fit_pose(
     edge (N,): which edge each node is on. What the nodes of one edge have in common (a model that is a little wrong, a shadow
     beside the edge) does not average out over them: the residuals' spread between edges, at least model_error [px], is counted once
     an edge, in the weights and in the information; `doubt` multiplies the spread, and `spread` [px^2]
-    stands for it if given. node_weight (N,): 0 to 1, confidence in a node from elsewhere.
+    stands for it if given. node_weight (N,): 0 to 1, confidence in a node from elsewhere. Without anneal, only
+    the nearest hypotheses about no displacement are looked at.
     """
     N = len(J)
     prior_information = prior.information if prior is not None else np.zeros((6, 6))
@@ -132,7 +134,7 @@ def fit_pose(
     Jt = np.ascontiguousarray(J.T)
     offset = np.where(present, matches.offset, 0.0)
     far = np.where(present, matches.offset, 1e3)
-    for width in widths:
+    for width in widths if anneal else ():
         r = far - (J @ d)[:, None]
         share = preference * np.exp((-0.5 / width**2) * (r * r))
         total = share.sum(1)

@@ -120,8 +120,9 @@ def attempt(
     # What is wrong with an edge in one frame is wrong in the next: the keyframe's pose has counted it already.
     X_aim, doubt = X_CO, 1.0 if prior is None else 4.0
     sharp = prior is not None
-    for _ in range(4):
+    for _ in range(3):
         X_before = X_CO
+        alone = None if prior is None else _about(sight, X_CO, X_CO, None)
         X_CO, fit, matches, shown = edge_pass(
             sight,
             X_CO,
@@ -131,12 +132,12 @@ def attempt(
             doubt,
             texture,
             sharp,
-            None if prior is None else _about(sight, X_CO, X_CO, None),
+            alone,
         )
-        near = corner_shift(sight.model, sight.lens, X_before, X_CO) < 0.7
+        near = corner_shift(sight.model, sight.lens, X_before, X_CO) < 1.5
         if near and (sharp or not sight.settings.sharp):
             break  # the profiles were sampled where they should be
-        sharp = near and sight.settings.sharp
+        sharp = (near or prior is not None) and sight.settings.sharp
     if prior is None and sight.settings.texture:
         keyframe, texture = _recognise(sight, X_CO, information)
     evidence = weigh(matches, fit, texture, keyframe, shown)
@@ -242,23 +243,11 @@ def edge_pass(
     J = normal_jacobian(nodes, X_CO, sight.lens)
     shown = _shown(nodes.pixel, texture)
     likely = preferences(matches)
+    common = {"edge": nodes.edge, "model_error": settings.model_error, "node_weight": shown}
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
-        free = fit_pose(
-            J, matches, likely, widths, alone, nodes.edge, model_error=settings.model_error, node_weight=shown
-        ).spread
-    fit = fit_pose(
-        J,
-        matches,
-        likely,
-        widths,
-        prior,
-        nodes.edge,
-        model_error=settings.model_error,
-        doubt=doubt,
-        node_weight=shown,
-        spread=free,
-    )
+        free = fit_pose(J, matches, likely, widths, alone, anneal=False, **common).spread
+    fit = fit_pose(J, matches, likely, widths, prior, doubt=doubt, spread=free, anneal=alone is None, **common)
     return move(X_CO, fit.d), fit, matches, shown
 
 
