@@ -16,8 +16,10 @@ from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle
 from vipr.systems.tracking.pose_fit import corner_shift, difference, move, point_jacobian
-from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt
+from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt, look_around
 from vipr.systems.tracking.texture import Keyframe, choose_keyframe, correlation_at, learn_keyframe
+
+LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
 
 
 @dataclass(frozen=True)
@@ -154,12 +156,13 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     if belief.X_CO_given is not None:
         return acquire(sight, belief.X_CO_given)
     best = attempt(sight, X_start, keyframe, depth)
-    if best.led_by is None and belief.agility < 1.0:
-        # Edges alone: as many edges nearer to where the motion leads count for more.
+    if (best.led_by is None and belief.agility < 1.0) or (best.led_by is not None and best.evidence.edges < 0.5):
+        # By edges alone, as many edges nearer to where the motion leads count for more; and texture that leads away from
+        # the edges may be that of a hand.
         sight.expect(sight.steady)
         other = attempt(sight, sight.steady.X_CO, None, depth, near=True)
-        if other.evidence.edges > best.evidence.edges - 0.15:
-            best = other
+        if other.evidence.edges > best.evidence.edges + (-0.15 if best.led_by is None else 0.2):
+            return other
         sight.expect(ahead)
     if best.evidence.score > 0.7 or not sight.settings.second_try:
         return best
@@ -175,6 +178,10 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
             best = other
         if best.evidence.score > 0.8:
             break
+    if best.evidence.score < TRACKING and belief.doubtful % LOOK_EVERY == 2 and sight.settings.start_search:
+        around = belief.X_CO_good if belief.X_CO_good is not None else belief.X_CO
+        sight.expect(replace(ahead, X_CO=around, covariance=at_rest(around).covariance))
+        best = max([best, *look_around(sight, around)], key=lambda one: one.evidence.score)
     return best
 
 
@@ -183,7 +190,8 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     good = score >= TRACKING
     state = "tracking" if good else "lost" if score < LOST or belief.doubtful >= 4 else "uncertain"
     keyframes = belief.keyframes
-    if score > LOST:
+    steady = best.led_by is not None or sight.goes_steadily(best.X_CO) or belief.X_CO_given is not None
+    if good or (score > LOST and steady):
         update = correct if belief.X_CO_given is not None else settle
         motion = update(best.ahead or ahead, best.X_CO, best.covariance)
     else:  # not seen: it may have slowed down or stopped

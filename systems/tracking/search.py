@@ -199,6 +199,17 @@ def _acquire_far(sight, X_CO_given, near, agreement):
     return tries[int(np.argmin(costs))]
 
 
+def look_around(sight: Sight, X_CO: np.ndarray) -> list[Attempt]:
+    """Attempts from the places about X_CO, tens of pixels around, whose edges look most like the object's: for one that was lost."""
+    field = field_around(sight.image, sight.model, sight.lens, X_CO)
+    if field is None:
+        return []
+    poses = search_start(field, sight.model, sight.lens, X_CO, occluders_C=sight.occluders_C)
+    sight.open([X_CO, *poses], margin=3.0 * sight.settings.reach)
+    keyframes = [choose_keyframe(sight.keyframes, X) for X in poses]
+    return [attempt(sight, X, k, 2, near=True) for X, k in zip(poses, keyframes, strict=True)]
+
+
 def _align(sight, X_CO, keyframe, depth, information):
     """Texture alignment: from the level below the coarsest, where less of the surroundings is mixed in, then, if it helps, from it."""
     best = None
