@@ -1,5 +1,7 @@
 """``vipr bench align``: the first loop over many seeds, against its targets."""
 
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 from rich.console import Console
@@ -20,10 +22,16 @@ COLUMNS = (
 WORK = ("vision", "control", "hand", "camera", "logging", "other")  # what is neither rendering nor physics
 
 
-def run(seeds: int, overrides: list[str], out: Path) -> list[dict]:
-    """Summaries of ``align`` for seeds 1 to ``seeds``; each run leaves its folder below ``out``."""
+def run(seeds: int, overrides: list[str], out: Path, jobs: int = 1) -> list[dict]:
+    """Summaries of ``align`` for seeds 1 to ``seeds``, ``jobs`` at a time; each run leaves its folder below ``out``."""
+    load_settings(Align.settings_type, Align.settings_file(), overrides)  # refused here, once, if they are wrong
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        return list(pool.map(_run_one, range(1, seeds + 1), [overrides] * seeds, [out] * seeds))
+
+
+def _run_one(seed: int, overrides: list[str], out: Path) -> dict:
     settings = load_settings(Align.settings_type, Align.settings_file(), overrides)
-    return [run_scenario(Align(settings, seed), out / f"seed-{seed}") for seed in range(1, seeds + 1)]
+    return run_scenario(Align(settings, seed), out / f"seed-{seed}")
 
 
 def print_table(summaries: list[dict]) -> None:

@@ -21,6 +21,7 @@ def align(
         list[str], typer.Option("--set", metavar="KEY=VALUE", help="A setting of the scenario; repeatable.")
     ] = [],  # noqa: B006 (typer copies it)
     out: Annotated[Path, typer.Option(help="Folder of the runs.")] = Path("out/bench-align"),
+    jobs: Annotated[int, typer.Option(help="Runs at a time; one core each.", min=1)] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summaries as JSON.")] = False,
 ) -> None:
     """The first loop, ``vipr run align``, over many seeds: errors against truth, and where the time goes."""
@@ -28,7 +29,7 @@ def align(
 
     from vipr.scenarios.bench.align import print_table, run
 
-    summaries = run(seeds, settings, out)
+    summaries = run(seeds, settings, out, jobs)
     if as_json:
         print(json.dumps(summaries, indent=2))
     else:
