@@ -13,6 +13,7 @@ def register(app: typer.Typer) -> None:
     # One line a benchmark: `group.command("tracking")(tracking)`, heavy imports inside the function.
     group.command("align")(align)
     group.command("tracking")(tracking)
+    group.command("people")(people)
 
 
 def align(
@@ -57,6 +58,25 @@ def tracking(
 
     from vipr.scenarios.bench.tables import print_json, print_tables
     from vipr.scenarios.bench.tracking import run
+
+    parts = [name.strip() for name in only.split(",") if name.strip()]
+    with Console(stderr=True).status("rendering") as status:
+        tables = run(quick=quick, only=parts, data=data, seed=seed, progress=status.update)
+        (print_json if as_json else print_tables)(tables)
+
+
+def people(
+    quick: Annotated[bool, typer.Option("--quick", help="A tenth of the scenes.")] = False,
+    only: Annotated[str, typer.Option(help="Parts, with commas between: time, rooms, light, clips, pixels.")] = "",
+    data: Annotated[Path | None, typer.Option(help="Folder of recordings with video/, skin/ and images/.")] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the first scene.")] = 1000,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
+) -> None:
+    """Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels."""
+    from rich.console import Console
+
+    from vipr.scenarios.bench.people import run
+    from vipr.scenarios.bench.tables import print_json, print_tables
 
     parts = [name.strip() for name in only.split(",") if name.strip()]
     with Console(stderr=True).status("rendering") as status:
