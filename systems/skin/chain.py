@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import cv2
 import numpy as np
 
+from vipr.systems.camera.illumination import light_gains
 from vipr.systems.errors import InputError
 from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin import colour_model, scene
@@ -137,7 +138,8 @@ def see_skin(
         mark("light")
     colours = chromaticity(small, gains)
     if cut or scene.is_cut(colours.pixels, belief.scene):
-        belief, gains, cut = SkinBelief(learned=time), np.ones(3), True
+        belief, cut = SkinBelief(learned=time), True
+        gains = first_light(small) if options.follow_light else np.ones(3)
         colours = chromaticity(small, gains)
         still, stood = scene.new_scene(colours.pixels), np.zeros(small.shape[:2], np.float32)
         rest = _rest(colours, colours.total >= DARKEST, still)
@@ -145,7 +147,8 @@ def see_skin(
     else:
         model, dt = belief.model, min(max(time - belief.regions.time, 1e-3), 0.5)
         mark("segmentation")
-        still, stood = scene.watch(colours.pixels, belief.scene, odd(11 * u), dt)
+        brighter = float(np.mean(gains / belief.gains))
+        still, stood = scene.watch(colours.pixels, belief.scene, odd(11 * u), dt, brighter)
         mark("motion")
     skin = classify(small, colours, model, options)
     if options.classifier == "ratio" and model.share < 0.6:
@@ -190,6 +193,31 @@ def _regions(found: Found, labels: np.ndarray, boxes: np.ndarray, still: Scene, 
         scale=scale,
         size=(shape[1], shape[0]),
     )
+
+
+def first_light(small: np.ndarray) -> np.ndarray:
+    """(3,) gains that undo the light of a first picture (h, w, 3) uint8: those under which some region looks most like a face.
+
+    Black-body lights are tried beside none at all, which wins where nothing looks like a face under another by far.
+    """
+    u, best, gains = unit(small.shape), 0.0, np.ones(3)
+    for kelvin in (None, 3000.0, 3600.0, 4300.0, 6200.0, 7600.0):
+        tried = np.ones(3) if kelvin is None else 1.0 / light_gains(1.0, kelvin)
+        colours = chromaticity(small, tried)
+        model = initial_model()
+        blank = scene.new_scene(colours.pixels)
+        rest = _rest(colours, colours.total >= DARKEST, blank)
+        model = colour_model.adapt(model, np.zeros_like(rest), rest, 0.3)
+        skin = classify(small, colours, model, SkinOptions())
+        labels, areas, boxes = components(density(skin, odd(3.4 * u)), 120, 40.0 * u * u, 6)
+        if not len(areas):
+            continue
+        found = describe(labels, boxes, skin, scene.brightness(colours.pixels), blank)
+        compact = np.clip(4.0 - found.areas / (np.pi * np.maximum(found.cores[:, 2], 1.0) ** 2), 0.0, 2.0) / 2.0
+        looks = float((found.faceness * (0.5 + 0.5 * compact)).max()) + (0.12 if kelvin is None else 0.0)
+        if looks > best:
+            best, gains = looks, tried
+    return gains
 
 
 def _moving(skin: np.ndarray, colours: Chromaticity, still: Scene) -> np.ndarray:

@@ -45,7 +45,10 @@ def light_change(raw: np.ndarray, scene: Scene, gains: np.ndarray) -> np.ndarray
     """(3,) gains that bring the picture raw (h, w, 3) uint8 to the still scene's light; ``gains`` where too little of it is visible."""
     step = max(3, round((raw.shape[0] * raw.shape[1] / SAMPLES) ** 0.5))
     now, then = (a[::step, ::step].reshape(-1, 3).astype(np.float32) for a in (raw, scene.pixels))
-    usable = (now > 8).all(1) & (now < 250).all(1) & (then > 4).all(1) & (scene.alive[::step, ::step].ravel() < 0.3)
+    usable = (now > 8).all(1) & (now < 250).all(1) & (then > 4).all(1)
+    calm = usable & (scene.alive[::step, ::step].ravel() < 0.3)
+    if np.count_nonzero(calm) > 0.25 * len(calm):
+        usable = calm
     if np.count_nonzero(usable) < 60:
         return gains
     ratio = then[usable] / now[usable]
@@ -64,8 +67,11 @@ def is_cut(pixels: np.ndarray, scene: Scene) -> bool:
     return bool(np.mean(difference > 18.0 + 6.0 * scene.noise) > 0.5)
 
 
-def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float) -> tuple[Scene, np.ndarray]:
-    """The scene after ``dt`` s with its motion; and (h, w) float32, 0 to 1, how surely each pixel shows what always stood there."""
+def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float, brighter: float = 1.0) -> tuple[Scene, np.ndarray]:
+    """The scene after ``dt`` s with its motion; and (h, w) float32, 0 to 1, how surely each pixel shows what always stood there.
+
+    ``brighter`` is the factor by which the gains have grown since the frame before: noise grows with them.
+    """
     luma = brightness(pixels)
     # Beyond all of the neighbourhood then: an edge under a trembling camera is not motion.
     above = cv2.subtract(luma, cv2.dilate(scene.luma, _NEIGHBOURS))
@@ -73,7 +79,8 @@ def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float) -> tuple[Sce
     difference = cv2.max(above, below)
     some = np.abs(luma[::6, ::6] - scene.luma[::6, ::6]).ravel()
     level = float(np.partition(some, len(some) // 2)[len(some) // 2]) * 1.5
-    noise = 0.9 * scene.noise + 0.1 * min(max(level, 0.5), 12.0)
+    noise = max(1.0, brighter) * scene.noise
+    noise = 0.9 * noise + 0.1 * min(max(level, 0.5), 12.0)
     moved = (difference > 3.0 + 2.5 * noise).astype(np.float32)
     # A lone noisy pixel is not motion: a third of the 3x3 neighbours must agree.
     moved *= cv2.blur(moved, (3, 3)) > 0.3
