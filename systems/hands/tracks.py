@@ -6,7 +6,7 @@ until they part. What no track explains can become a missing part, by side. Posi
 """
 
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import permutations, product
 
 import cv2
 import numpy as np
@@ -57,6 +57,7 @@ class TracksBelief:
     parts: tuple[tuple[str, Track], ...] = ()
     rival: float = 0.0  # s for which some hand looked more like a face than the face did
     order: float = 0.0  # s for which the hands were on their own sides, less those on the other's
+    faceless: float = 0.0  # s without a face
     output: HandTracks = HandTracks()
 
     def only_face(self) -> "TracksBelief":
@@ -108,10 +109,11 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     tracks = _look_for_better_face(
         tracks, found[choice["face"]] if choice.get("face") is not None else None, free, labels, u
     )
-    tracks = _give_birth(tracks, free, labels, regions.motion, u)
+    tracks = _give_birth(tracks, free, labels, regions.motion, belief.faceless, u)
+    faceless = 0.0 if "face" in tracks and tracks["face"].unseen == 0 else belief.faceless + min(dt, 0.06)
     tracks, rival = _settle_face(tracks, belief.rival, dt)
     tracks, order = _settle_sides(tracks, belief.order, dt, u)
-    return TracksBelief(tuple(tracks.items()), rival, order, _report(tracks, regions))
+    return TracksBelief(tuple(tracks.items()), rival, order, faceless, _report(tracks, regions))
 
 
 def _damping(t: Track, dt: float) -> float:
@@ -344,42 +346,79 @@ def _missing(tracks: dict, name: str) -> bool:
     return name not in tracks or tracks[name].unseen > 0 or tracks[name].crowded > 0.12
 
 
-def _give_birth(tracks: dict, free: list[_Region], labels: np.ndarray, motion: np.ndarray, u: float) -> dict:
-    """Give regions that nobody claimed to parts that are missing."""
+def _give_birth(tracks: dict, free: list[_Region], labels: np.ndarray, motion: np.ndarray, faceless: float, u: float) -> dict:
+    """Give regions that nobody claimed to parts that are missing; ``faceless`` s have passed without a face."""
     tracks = dict(tracks)
     free = [r for r in free if r.area > 8.0 * u * u and r.core[2] > 1.35 * u]
-    at_rest = [r for r in free if r.person <= 0.5]
-    free = [r for r in free if r.person > 0.5]
-    if _missing(tracks, "face") and free:
-        k = max(range(len(free)), key=lambda k: free[k].headlike)
-        if free[k].headlike > HEAD and ("face" not in tracks or tracks["face"].unseen > 0.2):
+    if _missing(tracks, "face") and ("face" not in tracks or tracks["face"].unseen > 0.2):
+        k = _likeliest_head(free, faceless)
+        if k is not None:
             r = free.pop(k)
             tracks["face"] = _born("face", *_head_in(r, labels, None, None), r, u)
-    face = tracks.get("face")
-    if face is not None:  # a hand is not many times the size of the face, nor a speck beside it
-        reach = 12.0 * np.sqrt(face.area / np.pi / 1.3)
-        free = [
-            r for r in free
-            if 0.15 * face.area < r.area < 6.0 * face.area and (not r.remnant or r.moving > 0.3)
-            and np.hypot(r.centre[0] - face.filter.x, r.centre[1] - face.filter.y) < reach
-        ]  # fmt: skip
-        free += [
-            r for r in at_rest if r.person > 0.28 and 0.15 * face.area < r.area < 3.0 * face.area and _hangs(r, face)
-        ]
-    free.sort(key=lambda r: -r.person * np.sqrt(r.area))
-    middle = face.filter.x if face is not None else 0.5 * labels.shape[1]
-    tracks = _give_up_still_hands(tracks, free, face)
+    free = _possible_hands(free, tracks.get("face"))
+    tracks = _give_up_still_hands(tracks, free, tracks.get("face"))
     missing = [name for name in ("left", "right") if _missing(tracks, name)]
-    for r in free[: len(missing)] if len(missing) < 2 else _by_side(free, missing, tracks, middle, u):
-        if isinstance(r, tuple):
-            name, r = r
-        else:
-            name = missing[0]
-            if not _plausible(tracks, name, r, u):
-                continue
+    for name, r in _cheapest_hands(missing, free[:3], tracks, labels.shape[1], u):
         centre, area = _hand_in(r, labels, motion, None, _body(tracks, name))
         tracks[name] = _born(name, centre, area, r, u)
     return tracks
+
+
+def _likeliest_head(free: list[_Region], faceless: float) -> int | None:
+    """Index of the region that may become the face; the longer there is none, the less it takes, if it is above other regions."""
+    found = [k for k, r in enumerate(free) if r.person > 0.28]
+    if not found:
+        return None
+    k = max(found, key=lambda k: free[k].headlike)
+    r = free[k]
+    others = [free[j] for j in found if j != k and free[j].person > 0.5]
+    topmost = len(others) >= 1 and all(r.core[1] < other.centre[1] for other in others)
+    enough = HEAD - (0.16 * min(faceless / 0.4, 1.0) if topmost else 0.0)
+    return k if r.headlike > enough and (r.person > 0.5 or topmost) else None
+
+
+def _possible_hands(free: list[_Region], face: Track | None) -> list[_Region]:
+    """Regions that can be a hand or an arm, the most evident first."""
+    if face is None:
+        hands = [r for r in free if r.person > 0.5]
+    else:  # a hand is not many times the size of the face, nor a speck beside it, nor out of reach, nor the neck
+        radius = np.sqrt(face.area / np.pi / 1.3)
+
+        def possible(r):
+            dx, dy = (r.centre[0] - face.filter.x) / radius, (r.centre[1] - face.filter.y) / radius
+            neck = abs(dx) < 1.0 and 0.0 < dy < 3.6 and r.moving < 0.3
+            still = r.person <= 0.5
+            if neck or r.headlike > HEAD + 0.07 or (r.remnant and r.moving < 0.3) or (still and r.person < 0.28):
+                return False
+            size = 0.15 * face.area < r.area < (3.0 if still else 6.0) * face.area
+            return size and np.hypot(dx, dy) < 12.0 and (not still or _hangs(r, face))
+
+        hands = [r for r in free if possible(r)]
+    return sorted(hands, key=lambda r: -r.person * np.sqrt(r.area))
+
+
+def _cheapest_hands(missing: list, free: list[_Region], tracks: dict, width: int, u: float) -> list:
+    """(part, region) for missing hands: each as near as it can be to where it was lost, or else to its own side of the face."""
+    face = tracks.get("face")
+    middle, head = (0.5 * width, 0.2 * width) if face is None else (face.filter.x, 2.6 * np.sqrt(face.area / np.pi / 1.3))
+
+    def price(name, r):
+        t = tracks.get(name)
+        if t is not None and 0 < t.unseen < LOST_AFTER:
+            return 0.6 * np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y) / ((12.0 + 160.0 * t.unseen) * u)
+        side = (r.centre[0] - middle) / head * (1.0 if name == "left" else -1.0)
+        return 0.1 + 0.6 * min(max(0.0, -side), 2.0)
+
+    best, chosen = np.inf, []
+    for regions in permutations([*free, *[None] * len(missing)], len(missing)):
+        pairs = [(name, r) for name, r in zip(missing, regions, strict=True) if r is not None]
+        prices = [price(name, r) for name, r in pairs]
+        if any(p > 0.65 for p in prices):
+            continue
+        total = sum(prices) + 0.7 * (len(missing) - len(pairs)) + sum(0.05 * free.index(r) for _, r in pairs)
+        if total < best:
+            best, chosen = total, pairs
+    return chosen
 
 
 def _look_for_better_face(tracks: dict, now: _Region | None, free: list[_Region], labels: np.ndarray, u: float) -> dict:
@@ -416,32 +455,6 @@ def _give_up_still_hands(tracks: dict, free: list[_Region], face: Track | None) 
         if claim > 2.0 * held[name]:
             del tracks[name]
     return tracks
-
-
-def _plausible(tracks: dict, name: str, r: _Region, u: float) -> bool:
-    """Whether a hand unseen for a short while may be back at the region: only as far as it can have moved."""
-    t = tracks.get(name)
-    if t is None or t.unseen > LOST_AFTER:
-        return True
-    away = np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y)
-    return bool(away < (12.0 + 160.0 * t.unseen) * u)
-
-
-def _by_side(free: list[_Region], missing: list, tracks: dict, middle: float, u: float) -> list:
-    """(part, region) when both hands are missing: two regions by their order, one by where a hand was lost or else by its side."""
-    if not free:
-        return []
-    if len(free) >= 2:
-        a, b = sorted(free[:2], key=lambda r: r.centre[0])
-        return [("right", a), ("left", b)]
-    r = free[0]
-    recent = {n: tracks[n] for n in missing if n in tracks and tracks[n].unseen < LOST_AFTER}
-    if recent:
-        near = {n: np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y) for n, t in recent.items()}
-        name = min(near, key=near.get)
-        if near[name] < (12.0 + 160.0 * recent[name].unseen) * u:
-            return [(name, r)]
-    return [("left" if r.centre[0] > middle else "right", r)]
 
 
 def _anew(name: str, centre, u: float) -> Kalman:
