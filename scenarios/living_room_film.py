@@ -27,6 +27,7 @@ class TrackTable:
     velocities: np.ndarray  # (n, 3, 2) px/s
     seen: np.ndarray  # (n, 3) bool
     merged: np.ndarray  # (n, 3) bool
+    areas: np.ndarray  # (n, 3) px^2, 0 where unseen
 
     @staticmethod
     def of(tracks: Sequence[HandTracks]) -> "TrackTable":
@@ -37,6 +38,7 @@ class TrackTable:
             np.array([[getattr(t, f"{p}_velocity") for p in PARTS] for t in tracks]),
             np.array([[getattr(t, f"{p}_seen") for p in PARTS] for t in tracks], bool),
             np.array([[p in t.merged for p in PARTS] for t in tracks], bool),
+            np.array([t.areas for t in tracks], float),
         )
 
 

@@ -119,3 +119,17 @@ class HandTracks(Signal):
     size: tuple[int, int] = (0, 0)  # (width, height) of the frame, px
     time: float = 0.0  # s, exposure of the frame
     number: int = -1  # of the camera frame; -1 before the first
+
+
+@dataclass(frozen=True, eq=False)
+class Gesture(Signal):
+    """The last movement of the hands that ended, and what it was taken for; nothing yet while number is -1."""
+
+    name: str = ""  # of the most likely gesture, of rejected movements too
+    probability: float = 0.0  # of that gesture among those known
+    rejected: bool = True  # it is taken for no gesture at all
+    start: float = 0.0  # s, when the movement began
+    end: float = 0.0  # s, when it ended
+    named: float = 0.0  # s, exposure of the frame after which it was named
+    direction: np.ndarray = field(default_factory=lambda: np.full(2, np.nan))  # (2,) pointed to in the image, x right, y up; NaN where none
+    number: int = -1  # counts movements

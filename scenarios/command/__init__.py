@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from vipr.scenarios.command import bench, gestures, hands, run, track
+from vipr.scenarios.command import bench, experiment, gestures, hands, run, track
 from vipr.scenarios.command.output import print_error
 from vipr.systems.errors import InputError
 
@@ -25,6 +25,7 @@ run.register(app)
 track.register(app)
 hands.register(app)
 gestures.register(app)
+experiment.register(app)
 bench.register(app)
 
 

@@ -1,7 +1,7 @@
 """Drawings and gestures through the camera: rendered person, imperfect image, tracker of face and hands; kept on disk once made.
 
-A film is what the tracker reported, frame by frame: a table (n, 3, 2) of face, left and right hand in pixels, with NaN where a part
-has not been seen yet. A reel is the films of one person in one sitting, filmed together and cached as one file.
+A film is what the tracker reported, frame by frame. A reel is the films of one person in one sitting, filmed together and cached as
+one file.
 """
 
 import hashlib
@@ -12,26 +12,59 @@ from pathlib import Path
 
 import numpy as np
 
+from vipr.systems.errors import InputError
+from vipr.systems.signals import HandTracks
+
 RATE = 25.0  # Hz
 HOLD = 6  # frames that the hands stay where a gesture ended
+COLUMNS = ("positions", "seen", "merged", "areas", "lengths")
 
 
 @dataclass(frozen=True, eq=False)
 class Reel:
-    """Films of one person: ``positions`` and ``seen`` are lists of (n, 3, 2) and (n, 3), ``labels`` and ``bounds`` one a film."""
+    """N films of one person; tables of parts are in the order face, left hand, right hand."""
 
     labels: np.ndarray  # (N,) str
-    positions: list[np.ndarray]
-    seen: list[np.ndarray]
+    positions: list[np.ndarray]  # of (n, 3, 2) px, NaN where a part has not been seen yet
+    seen: list[np.ndarray]  # of (n, 3) bool
+    merged: list[np.ndarray]  # of (n, 3) bool
+    areas: list[np.ndarray]  # of (n, 3) px^2
     bounds: np.ndarray  # (N, 2) first and last frame of the gesture proper
     person: str
     targets: np.ndarray  # (N, 2) direction pointed to, unit vector in the image (x right, y up); NaN where none
+
+    def tracks(self, film: int) -> list[HandTracks]:
+        """The film as the tracker's signals, starting at time 0."""
+        parts = ("face", "left", "right")
+        return [
+            HandTracks(
+                **dict(zip(parts, positions, strict=True)),
+                **{f"{p}_seen": bool(s) for p, s in zip(parts, seen, strict=True)},
+                merged=tuple(p for p, m in zip(parts, merged, strict=True) if m),
+                areas=areas,
+                size=(160, 120),
+                time=n / RATE,
+                number=n,
+            )
+            for n, (positions, seen, merged, areas) in enumerate(
+                zip(
+                    self.positions[film].copy(),
+                    self.seen[film],
+                    self.merged[film],
+                    self.areas[film].copy(),
+                    strict=True,
+                )
+            )
+        ]
 
 
 def cache_folder(folder: Path | None = None) -> Path:
     """Where reels are kept: the folder given, ``VIPR_CACHE`` or ``~/.cache/vipr``."""
     base = folder or Path(os.environ.get("VIPR_CACHE") or Path.home() / ".cache" / "vipr")
-    base.mkdir(parents=True, exist_ok=True)
+    try:
+        base.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cache {base}: cannot be made ({error.strerror})") from None
     return base
 
 
@@ -61,11 +94,8 @@ def reel(
     table = _read(file)
     if table is None:
         films = (_rendered if camera == "rendered" else _stand_in)(paths, seed, tick)
-        table = {
-            "positions": np.concatenate([p for p, _ in films]).astype(np.float32),
-            "seen": np.concatenate([s for _, s in films]),
-            "lengths": np.array([len(p) for p, _ in films]),
-        }
+        table = {name: np.concatenate([f[k] for f in films]) for k, name in enumerate(COLUMNS[:-1])}
+        table["lengths"] = np.array([len(f[0]) for f in films])
         part = file.with_suffix(f".{os.getpid()}.part")
         with part.open("wb") as out:
             np.savez_compressed(out, **table)
@@ -74,16 +104,21 @@ def reel(
         for path in paths:
             tick(len(path))
     cuts = np.cumsum(table["lengths"])[:-1]
+    columns = [np.split(table[name], cuts) for name in COLUMNS[:-1]]
+    nowhere = np.full((len(labels), 2), np.nan)
     return Reel(
-        np.asarray(labels), np.split(table["positions"].astype(float), cuts), np.split(table["seen"], cuts), np.asarray(bounds), person,
-        np.full((len(labels), 2), np.nan) if targets is None else np.asarray(targets, float),
-    )  # fmt: skip
+        np.asarray(labels),
+        *columns,
+        np.asarray(bounds),
+        person,
+        nowhere if targets is None else np.asarray(targets, float),
+    )
 
 
 def _read(file):
     try:
         with np.load(file, allow_pickle=False) as table:
-            return {k: table[k] for k in ("positions", "seen", "lengths")}
+            return {name: table[name] for name in COLUMNS}
     except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile):
         return None
 
@@ -93,8 +128,9 @@ def _rendered(paths, seed, tick):
 
     films = []
     for film in film_gestures([_greeting(), *paths], seed=seed, truth=False):
-        films.append((film.tracks.positions, film.tracks.seen))
-        tick(len(film.tracks.time))
+        t = film.tracks
+        films.append((t.positions, t.seen, t.merged, t.areas))
+        tick(len(t.time))
     return films[1:]
 
 
@@ -126,6 +162,8 @@ def _stand_in(paths, seed, tick):
             np.column_stack([79.5 + 184.0 * p[:, 1] / (2.1 - p[:, 0]), 60.0 - 184.0 * p[:, 2] / (2.1 - p[:, 0])])
             for p in parts
         ]
-        films.append((np.stack(pixels, axis=1) + rng.normal(0.0, 1.0, (n, 3, 2)), np.ones((n, 3), bool)))
+        seen = np.ones((n, 3), bool)
+        noise = rng.normal(0.0, 1.0, (n, 3, 2))
+        films.append((np.stack(pixels, axis=1) + noise, seen, ~seen, np.tile([170.0, 80.0, 80.0], (n, 1))))
         tick(n)
     return films

@@ -4,10 +4,15 @@ from pathlib import Path
 
 import numpy as np
 
-from vipr.scenarios.experiments.films import HOLD, Reel, reel
+from vipr.scenarios.experiments.films import HOLD, RATE, Reel, reel
 from vipr.scenarios.experiments.writers import Writer, draw, graffiti
+from vipr.scenarios.gesture_evaluation import Evaluation, cross_validate, train_and_test
+from vipr.systems.gestures.segmentation import segment
+from vipr.systems.gestures.tables import GestureTable
+from vipr.systems.gestures.trajectories import Trajectory
 
 SEQUENCES, WRITERS = 2230, 5  # as in the paper
+FACE = 13.0  # px, a face at the camera's distance
 
 
 def film_writers(seed: int, camera: str, folder: Path, rounds: int | None = None, tick=lambda n: None) -> list[Reel]:
@@ -35,3 +40,64 @@ def film_writers(seed: int, camera: str, folder: Path, rounds: int | None = None
                 )
             )  # fmt: skip
     return reels
+
+
+def drawings(reels: list[Reel]) -> GestureTable:
+    """The letters as the camera saw them: positions of the right hand in pixels, y up; s.
+
+    A drawing reaches from the start of the first to the end of the last of its movements, cut at pauses. Where none was cut (the hand
+    was lost), what the tracker said between its bounds stands for it.
+    """
+    trajectories = []
+    for r in reels:
+        for positions, (first, last) in zip(r.positions, r.bounds, strict=True):
+            hand = positions[:, 2] * (1.0, -1.0)
+            times = np.arange(len(hand)) / RATE
+            found = [m for m in segment(times, hand / FACE) if m.times[0] < last / RATE and m.times[-1] > first / RATE]
+            a, b = (found[0].times[0], found[-1].times[-1]) if found else (first / RATE, last / RATE)
+            inside = (times > a - 1e-6) & (times < b + 1e-6)
+            trajectories.append(Trajectory(hand[inside], times[inside]))
+    labels = np.concatenate([r.labels for r in reels])
+    writers = np.concatenate([np.repeat(r.person, len(r.labels)) for r in reels])
+    return GestureTable(np.arange(len(labels)).astype(str), labels, writers, trajectories)
+
+
+def halves(table: GestureTable, seed: int) -> np.ndarray:
+    """(N,) bool: half of each writer's examples of each letter, for training; the rest is the test."""
+    rng, chosen = np.random.default_rng([seed, 3]), np.zeros(len(table), bool)
+    names, group = np.unique(
+        [f"{w}|{a}" for w, a in zip(table.writers, table.labels, strict=True)], return_inverse=True
+    )
+    for g in range(len(names)):
+        members = rng.permutation(np.flatnonzero(group == g))
+        chosen[members[: (len(members) + g % 2) // 2]] = True
+    return chosen
+
+
+ROWS = {  # of Table II, and this program's own models
+    "position": "4 states, image position",
+    "velocity": "4 states, image velocity",
+    "combined": "4 states, position and velocity",
+    "default": "this program's models",
+}
+
+
+def table_two(table: GestureTable, make, seed: int, tick=lambda share: None) -> dict[str, dict[str, Evaluation]]:
+    """For each row: ``known`` writers (half against half) and ``unseen`` ones (each of the five held out in turn).
+
+    ``make(row)`` returns a function that builds a classifier.
+    """
+    train = halves(table, seed)
+    writer = np.unique(table.writers, return_inverse=True)[1]
+    results = {}
+    part = 0.5 / len(ROWS)
+    for n, row in enumerate(ROWS):
+        first = _stage(tick, 2 * n * part, part)
+        known = train_and_test(make(row), table.choose(train), table.choose(~train), first)
+        unseen = cross_validate(make(row), table, writer, _stage(tick, (2 * n + 1) * part, part))
+        results[row] = {"known": known, "unseen": unseen}
+    return results
+
+
+def _stage(tick, start, part):
+    return lambda share: tick(start + part * share)

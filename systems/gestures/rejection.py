@@ -10,6 +10,7 @@ from vipr.systems.gestures.trajectories import Distortion, Stream, describe, dis
 
 STATES, FOLDS, LEAST = 6, 3, 6
 SPEC = HmmSpec(STATES, 1, "diag", floor=3e-2, prior=5.0, segmental=4, baum_welch=3)
+FALSE_ACCEPTANCE = 0.005  # of held-out non-gestures: the threshold need not be higher than that takes
 ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the number
 
 
@@ -26,6 +27,11 @@ class Gate:
         own = score(self.gestures, x)[np.arange(len(x)), label]
         return (own - score(self.anything, x).max(axis=1)) / x.shape[1]
 
+    def best_margin(self, x: np.ndarray, garbage: int) -> np.ndarray:
+        """(N,) margin under the best gesture's model, whichever that is."""
+        own = np.delete(score(self.gestures, x), garbage, axis=1).max(axis=1)
+        return (own - score(self.anything, x).max(axis=1)) / x.shape[1]
+
 
 def fit_gate(
     points: np.ndarray, stream: Stream, labels: np.ndarray, garbage: int, false_rejection: float, seed: int
@@ -33,15 +39,17 @@ def fit_gate(
     """Models of resampled points (N, T, d); the threshold such that ``false_rejection`` of held-out gestures fall below it.
 
     ``garbage`` is the class of non-gestures, -1 if there is none. A quantile that the held-out examples are too few to show is taken from
-    the spread of their lower half, as if it were normal.
+    the spread of their lower half, as if it were normal. With examples of non-gestures, the threshold is lowered as far as they permit.
     """
     fold = _folds(labels, seed)
-    margins = []
+    margins, foreign = [], []
     for k in range(FOLDS):
-        held = (fold == k) & (labels != garbage)
+        held, others = (fold == k) & (labels != garbage), (fold == k) & (labels == garbage)
         if held.any() and len(np.unique(labels[fold != k])) == labels.max() + 1:
             gate = _models(points[fold != k], stream, labels[fold != k], garbage, seed)
             margins.append(gate.margin(describe(points[held], stream), labels[held]))
+            if others.any():
+                foreign.append(gate.best_margin(describe(points[others], stream), garbage))
     gate = _models(points, stream, labels, garbage, seed)
     if sum(map(len, margins)) < LEAST:  # nothing to hold out
         own = gate.margin(describe(points[labels != garbage], stream), labels[labels != garbage])
@@ -54,6 +62,8 @@ def fit_gate(
         median = np.median(held_out)
         sigma = (median - np.quantile(held_out, 0.16)) / -norm.ppf(0.16)
         threshold = median + norm.ppf(false_rejection) * sigma
+    if sum(map(len, foreign)) >= 10 * LEAST:
+        threshold = min(threshold, np.quantile(np.concatenate(foreign), 1.0 - FALSE_ACCEPTANCE))
     return Gate(gate.gestures, gate.anything, float(threshold))
 
 

@@ -1,0 +1,143 @@
+"""The robot's own language on trial: trained on some people, tested on others, and on hands that mean nothing (paper, II-A.4)."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vipr.scenarios.experiments.films import RATE, Reel, reel
+from vipr.scenarios.experiments.instructions import GARBAGE, LANGUAGE, Person, sitting
+from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face
+from vipr.systems.gestures.classifier import GestureClassifier
+from vipr.systems.gestures.segmentation import MotionBelief, PauseSettings, advance
+from vipr.systems.gestures.trajectories import Trajectory
+
+TRAINING = (6, 500, 240)  # people, gestures, non-gestures
+TEST = (4, 320, 240)  # as in the paper: 320 sequences of four people who were not in training
+
+
+def film_people(
+    test: bool, seed: int, camera: str, folder: Path, share: float = 1.0, tick=lambda n: None
+) -> list[Reel]:
+    """One reel a person; ``share`` of the sequences (the whole at 1)."""
+    people, gestures, others = TEST if test else TRAINING
+    reels = []
+    for n in range(people):
+        rng = np.random.default_rng([seed, int(test), n])
+        count = round(share * gestures * (n + 1) / people) - round(share * gestures * n / people)
+        wanted = [list(LANGUAGE)[k % len(LANGUAGE)] for k in range(count)] + [GARBAGE] * round(share * others / people)
+        names = [str(a) for a in rng.permutation(wanted)]
+        number = 1000 * seed + 100 * test + n
+        paths, bounds, targets = sitting(Person.drawn(number), names, rng)
+        who = f"{'test' if test else 'training'} person {n + 1}"
+        name = f"instructions-{camera}-{seed}-{'test' if test else 'training'}-{n}"
+        reels.append(
+            reel(name, who, paths, names, bounds, targets, camera=camera, seed=number, folder=folder, tick=tick)
+        )
+    return reels
+
+
+@dataclass(frozen=True, eq=False)
+class Movements:
+    """Movements cut out of the films, one row each."""
+
+    trajectories: list[Trajectory]
+    film: np.ndarray  # (M,) which film each is from
+    delay: np.ndarray  # (M,) s from the end of the movement to the frame after which it was cut
+    main: np.ndarray  # (M,) bool: of a film's movements the one that overlaps the gesture most
+
+
+def cut(reels: list[Reel], settings: PauseSettings | None = None) -> Movements:
+    """Movements as the recogniser cuts them, film by film; films are numbered through."""
+    settings = settings or PauseSettings()
+    trajectories, film, delay, main, number = [], [], [], [], 0
+    for r in reels:
+        body = BodyBelief()
+        for k in range(len(r.labels)):
+            motion, found = MotionBelief(), []
+            for tracks in r.tracks(k):
+                body, point = seen_from_face(body, tracks)
+                if point is None:
+                    continue
+                motion, movement = advance(motion, tracks.time, point, settings)
+                if movement is not None:
+                    found.append((movement, tracks.time - movement.times[-1]))
+            first, last = r.bounds[k] / RATE
+            overlap = [min(last, m.times[-1]) - max(first, m.times[0]) for m, _ in found]
+            for n, (m, d) in enumerate(found):
+                trajectories.append(m)
+                film.append(number)
+                delay.append(d)
+                main.append(n == int(np.argmax(overlap)) and overlap[n] > 0)
+            number += 1
+    return Movements(trajectories, np.array(film, int), np.array(delay), np.array(main, bool))
+
+
+def train_language(reels: list[Reel], seed: int = 0, updates: int = 500, tick=lambda share: None) -> GestureClassifier:
+    """A classifier of the language; every movement of a non-gesture film teaches what to reject."""
+    movements, labels = cut(reels), np.concatenate([r.labels for r in reels])
+    label = labels[movements.film]
+    use = movements.main | (label == GARBAGE)
+    X = [t for t, u in zip(movements.trajectories, use, strict=True) if u]
+    classifier = GestureClassifier("placed", garbage=GARBAGE, distortion=0.7, backwards=0.0, updates=updates, seed=seed)
+    return classifier.fit(X, label[use], tick=tick)
+
+
+@dataclass
+class Trial:
+    """Outcome, film by film."""
+
+    truth: np.ndarray  # (N,) made
+    answer: np.ndarray  # (N,) name given to the main movement; "missed" where none was cut
+    rejected: np.ndarray  # (N,) bool, of the main movement
+    accepted: np.ndarray  # (N,) int: movements of the film that were accepted as gestures
+    margin: (
+        np.ndarray
+    )  # (N,) of the main movement; of non-gestures the largest of all movements that are not called garbage outright
+    delay: np.ndarray  # (M,) s, of all movements
+    angle: np.ndarray  # (N,) rad between the direction given and the one meant; NaN where none
+
+
+def try_language(classifier: GestureClassifier, reels: list[Reel]) -> Trial:
+    """Recognise all films."""
+    movements = cut(reels)
+    truth = np.concatenate([r.labels for r in reels])
+    targets = np.concatenate([r.targets for r in reels])
+    N = len(truth)
+    answer, rejected = np.full(N, "missed", object), np.ones(N, bool)
+    accepted, margin, angle = np.zeros(N, int), np.full(N, -np.inf), np.full(N, np.nan)
+    label, _, refused = classifier.recognise(movements.trajectories)
+    best = classifier.classes_[classifier.predict_proba(movements.trajectories).argmax(axis=1)]
+    margins = np.where(best == GARBAGE, -np.inf, classifier.margins(movements.trajectories))
+    for m, k in enumerate(movements.film):
+        accepted[k] += not refused[m]
+        if truth[k] == GARBAGE:
+            margin[k] = max(margin[k], margins[m])
+        if movements.main[m]:
+            answer[k], rejected[k] = label[m], refused[m]
+            if truth[k] != GARBAGE:
+                margin[k] = margins[m]
+            given = direction(movements.trajectories[m].points)
+            angle[k] = np.arccos(np.clip(given @ targets[k], -1.0, 1.0)) if np.isfinite(targets[k]).all() else np.nan
+    return Trial(truth, answer, rejected, accepted, margin, movements.delay, angle)
+
+
+def rates(trial: Trial, threshold: float | None = None) -> dict:
+    """Percentages: gestures named right (a rejected one counts as wrong), named before rejection, rejected; non-gestures accepted."""
+    gesture = trial.truth != GARBAGE
+    rejected = trial.rejected if threshold is None else ~(trial.margin >= threshold)
+    right = trial.answer == trial.truth
+    accepted = trial.accepted > 0 if threshold is None else trial.margin >= threshold
+    return {
+        "recognised_percent": 100.0 * float((right & ~rejected)[gesture].mean()),
+        "named_right_percent": 100.0 * float(right[gesture].mean()),
+        "rejected_percent": 100.0 * float(rejected[gesture].mean()),
+        "false_acceptance_percent": 100.0 * float(accepted[~gesture].mean()) if (~gesture).any() else float("nan"),
+    }
+
+
+def curve(trial: Trial) -> tuple[np.ndarray, np.ndarray]:
+    """False rejection and false acceptance in percent over all thresholds."""
+    thresholds = np.r_[-np.inf, np.sort(trial.margin[np.isfinite(trial.margin)]), np.inf]
+    values = [rates(trial, t) for t in thresholds]
+    return np.array([v["rejected_percent"] for v in values]), np.array([v["false_acceptance_percent"] for v in values])
