@@ -131,5 +131,7 @@ class Gesture(Signal):
     start: float = 0.0  # s, when the movement began
     end: float = 0.0  # s, when it ended
     named: float = 0.0  # s, exposure of the frame after which it was named
-    direction: np.ndarray = field(default_factory=lambda: np.full(2, np.nan))  # (2,) pointed to in the image, x right, y up; NaN where none
+    direction: np.ndarray = field(
+        default_factory=lambda: np.full(2, np.nan)
+    )  # (2,) pointed to in the image, x right, y up; NaN where none
     number: int = -1  # counts movements

@@ -346,7 +346,9 @@ def _missing(tracks: dict, name: str) -> bool:
     return name not in tracks or tracks[name].unseen > 0 or tracks[name].crowded > 0.12
 
 
-def _give_birth(tracks: dict, free: list[_Region], labels: np.ndarray, motion: np.ndarray, faceless: float, u: float) -> dict:
+def _give_birth(
+    tracks: dict, free: list[_Region], labels: np.ndarray, motion: np.ndarray, faceless: float, u: float
+) -> dict:
     """Give regions that nobody claimed to parts that are missing; ``faceless`` s have passed without a face."""
     tracks = dict(tracks)
     free = [r for r in free if r.area > 8.0 * u * u and r.core[2] > 1.35 * u]
@@ -400,7 +402,9 @@ def _possible_hands(free: list[_Region], face: Track | None) -> list[_Region]:
 def _cheapest_hands(missing: list, free: list[_Region], tracks: dict, width: int, u: float) -> list:
     """(part, region) for missing hands: each as near as it can be to where it was lost, or else to its own side of the face."""
     face = tracks.get("face")
-    middle, head = (0.5 * width, 0.2 * width) if face is None else (face.filter.x, 2.6 * np.sqrt(face.area / np.pi / 1.3))
+    middle, head = (
+        (0.5 * width, 0.2 * width) if face is None else (face.filter.x, 2.6 * np.sqrt(face.area / np.pi / 1.3))
+    )
 
     def price(name, r):
         t = tracks.get(name)
