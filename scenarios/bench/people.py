@@ -196,7 +196,7 @@ def rooms_tables(scenes: int, seed: int, progress) -> Iterator[Table]:
         )
     yield Table(
         f"Rendered rooms, 160x120, {scenes} random scenes of 6 s", columns, rows,
-        "RMS over frames in which part and truth are seen within 10 px; tracked: truly seen parts reported within 10 px; first second left out.",
+        "RMS over frames in which part and truth are seen within 10 px; tracked: truly seen parts reported within 10 px; first s left out.",
     )  # fmt: skip
     s = summarise(results)
     yield Table(
