@@ -16,6 +16,7 @@ from vipr.systems.arm import puma560
 from vipr.systems.arm.encoders import JointEncoders
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.arm.resolved_rate import JointLimits
+from vipr.systems.arm.shapes import Shape, box, cylinder
 from vipr.systems.camera.camera import Camera
 from vipr.systems.camera.imperfections import Imperfection
 from vipr.systems.camera.lens import Lens, load_lens
@@ -49,6 +50,23 @@ def puma_with_hand() -> SerialArm:
     """The arm's kinematics with the hand's grasp centre as tool E."""
     X_6E = se3.pose(np.eye(3), [0.0, 0.0, puma560.FLANGE + GRASP_CENTRE])
     return SerialArm(puma560.D, puma560.A, puma560.ALPHA, X_6E)
+
+
+def obstacles(stage: np.ndarray | None = None) -> tuple[Shape, ...]:
+    """What the arm must not touch, in W: floor, table, and the stage with its plate at x, y [m], yaw [rad].
+
+    Without ``stage`` the plate counts as wherever it can go. A test compares the shapes with ``models/``.
+    """
+    if stage is None:
+        plate = box("stage", (0.58, 0.48, 0.02), se3.pose(np.eye(3), STAGE - [0, 0, 0.01]))
+    else:
+        plate = cylinder("stage", 0.09, 0.008, se3.pose(np.eye(3), STAGE + [stage[0], stage[1], -0.004]))
+    return (
+        box("floor", (5.8, 5.2, 0.1), se3.pose(np.eye(3), [1.3, 0.0, -0.05])),
+        box("table", (0.8, 1.2, 0.03), se3.pose(np.eye(3), [0.75, 0.0, 0.485])),
+        box("stage_foot", (0.48, 0.36, 0.012), se3.pose(np.eye(3), STAGE - [0, 0, 0.014])),
+        plate,
+    )
 
 
 def standing(stage: np.ndarray) -> np.ndarray:

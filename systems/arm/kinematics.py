@@ -19,18 +19,19 @@ class SerialArm:
     X_6E: np.ndarray = field(default_factory=lambda: np.eye(4))  # tool in the last link's frame
 
     def link_poses(self, q: np.ndarray) -> np.ndarray:
-        """(n + 1, 4, 4): X_B0 ... X_Bn for joint angles q (n,) [rad]."""
+        """(..., n + 1, 4, 4): X_B0 ... X_Bn for joint angles q (..., n) [rad]."""
         cq, sq = np.cos(q), np.sin(q)
         ca, sa = np.cos(self.alpha), np.sin(self.alpha)
-        T = np.zeros((len(q), 4, 4))
-        T[:, 0, 0], T[:, 0, 1], T[:, 0, 2], T[:, 0, 3] = cq, -sq * ca, sq * sa, self.a * cq
-        T[:, 1, 0], T[:, 1, 1], T[:, 1, 2], T[:, 1, 3] = sq, cq * ca, -cq * sa, self.a * sq
-        T[:, 2, 1], T[:, 2, 2], T[:, 2, 3] = sa, ca, self.d
-        T[:, 3, 3] = 1.0
-        poses = np.empty((len(q) + 1, 4, 4))
-        poses[0] = np.eye(4)
-        for i in range(len(q)):
-            poses[i + 1] = poses[i] @ T[i]
+        T = np.zeros((*np.shape(q), 4, 4))
+        T[..., 0, 0], T[..., 0, 1], T[..., 0, 2], T[..., 0, 3] = cq, -sq * ca, sq * sa, self.a * cq
+        T[..., 1, 0], T[..., 1, 1], T[..., 1, 2], T[..., 1, 3] = sq, cq * ca, -cq * sa, self.a * sq
+        T[..., 2, 1], T[..., 2, 2], T[..., 2, 3] = sa, ca, self.d
+        T[..., 3, 3] = 1.0
+        n = T.shape[-3]
+        poses = np.empty((*T.shape[:-3], n + 1, 4, 4))
+        poses[..., 0, :, :] = np.eye(4)
+        for i in range(n):
+            poses[..., i + 1, :, :] = poses[..., i, :, :] @ T[..., i, :, :]
         return poses
 
     def tool_pose(self, q: np.ndarray) -> np.ndarray:

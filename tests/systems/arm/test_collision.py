@@ -1,0 +1,147 @@
+"""Clearance of arm and hand: against distances of the real model, and on cases worked out by hand."""
+
+import numpy as np
+import pytest
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.systems.framework import DiagramBuilder
+
+from vipr.diagrams.workcell import obstacles, puma_with_hand
+from vipr.models import model_path
+from vipr.systems import se3
+from vipr.systems.arm import puma560
+from vipr.systems.arm.puma_body import hand_shapes, puma_with_hand_body
+from vipr.systems.arm.shapes import Placed, box, capsule, cylinder, gap, sphere
+from vipr.systems.errors import InputError
+from vipr.systems.hand.transmission import JOINT_UPPER
+
+LINKS = ("column", "trunk", "upper_arm", "forearm", "", "wrist", "flange")
+ROOM = {"table": "table", "room": "floor", "plate": "stage"}
+ARM = puma_with_hand()
+
+
+class Model:
+    """The workcell's models in Drake, and the distance of every pair that our clearance looks at."""
+
+    def __init__(self):
+        builder = DiagramBuilder()
+        self.plant, self.scene = AddMultibodyPlantSceneGraph(builder, 0.002)
+        parser = Parser(self.plant)
+        parser.package_map().AddPackageXml(str(model_path("package.xml")))
+        parser.AddModels(url="package://vipr/workcell/workcell.dmd.yaml")
+        self.plant.Finalize()
+        self.diagram = builder.Build()
+        self.context = self.diagram.CreateDefaultContext()
+        inspector = self.scene.model_inspector()
+        self.names = {}
+        for g in inspector.GetAllGeometryIds():
+            link = inspector.GetName(inspector.GetFrameId(g)).split("::")[-1]
+            ours = LINKS[int(link[5:])] if link.startswith("link_") else ROOM.get(link, link)
+            self.names[g] = ours
+
+    def distances(self, q, hand):
+        context = self.plant.GetMyContextFromRoot(self.context)
+        self.plant.SetPositions(context, self.plant.GetModelInstanceByName("puma560"), q)
+        self.plant.SetPositions(context, self.plant.GetModelInstanceByName("barrett_hand"), hand)
+        query = self.scene.get_query_output_port().Eval(self.scene.GetMyContextFromRoot(self.context))
+        return {
+            frozenset((self.names[r.id_A], self.names[r.id_B])): r.distance
+            for r in query.ComputeSignedDistancePairwiseClosestPoints(1.0)
+        }
+
+
+def random_configurations(count, seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        hand = rng.uniform(0, JOINT_UPPER)
+        hand[3] = hand[0]
+        yield rng.uniform(puma560.POSITION_LOWER, puma560.POSITION_UPPER), hand
+
+
+def test_clearance_is_never_more_than_the_models_distance_and_seldom_much_less():
+    model, at_stage = Model(), obstacles(np.zeros(3))
+    short = []
+    for q, hand in random_configurations(300, seed=4):
+        body = puma_with_hand_body(ARM, hand)
+        ours, (mine, other) = body.clearance(q, at_stage)
+        first, second = body._all_pairs(len(at_stage))
+        names = [s.name for s in (*body.shapes, *at_stage)]
+        looked_at = {frozenset((names[a], names[b])) for a, b in zip(first, second, strict=True)}
+        true = min(d for pair, d in model.distances(q, hand).items() if pair in looked_at)
+        assert ours <= true + 1e-3, f"{mine} to {other}"
+        if true > 0 and "knuckle" not in mine and other != "stage_foot":  # of those the model has only the looks
+            short.append(true - ours)
+    assert len(short) > 200
+    assert np.quantile(short, 0.9) < 1e-3 and max(short) < 0.015
+
+
+def test_every_collision_shape_of_the_models_is_there():
+    model = Model()
+    ours = {s.name for s in (*puma_with_hand_body(ARM).shapes, *obstacles())}
+    assert set(model.names[g] for g in model.names if _collides(model, g)) - ours == set()
+
+
+def _collides(model, geometry):
+    return model.scene.model_inspector().GetProximityProperties(geometry) is not None
+
+
+def test_many_configurations_at_once_give_what_each_gives_alone():
+    body = puma_with_hand_body(ARM)
+    q = np.array([q for q, _ in random_configurations(20, seed=1)])
+    gaps, pairs = body.clearance(q, obstacles())
+    for k in range(20):
+        gap_k, pair_k = body.clearance(q[k], obstacles())
+        assert gap_k == pytest.approx(gaps[k], abs=2e-4)
+        assert pair_k == pairs[k] or abs(gap_k - gaps[k]) < 2e-4
+
+
+@pytest.mark.parametrize(
+    "a, b, distance",
+    [
+        (sphere("a", 0.1, (0, 0, 0)), sphere("b", 0.2, (0.3, 0.4, 0)), 0.2),
+        (sphere("a", 0.1, (0, 0, 1.0)), box("b", (2, 2, 1), np.eye(4)), 0.4),
+        (sphere("a", 0.1, (1.3, 1.4, 0)), box("b", (2, 2, 1), np.eye(4)), 0.4),
+        (capsule("a", 0.1, 2.0, np.eye(4)), capsule("b", 0.1, 2.0, se3.pose(np.eye(3), [1, 0, 0.5])), 0.8),
+        (cylinder("a", 0.5, 1.0, np.eye(4)), sphere("b", 0.1, (0, 0.8, 0.9)), 0.4),
+        (cylinder("a", 0.5, 1.0, np.eye(4)), box("b", (4, 4, 0.2), se3.pose(np.eye(3), [0, 0, 0.9])), 0.3),
+        (
+            box("a", (0.2, 0.2, 2.0), se3.pose(se3.exp_so3(np.array([0, 0, np.pi / 4])), [0, 0, 0])),
+            box("b", (0.2, 2.0, 0.2), se3.pose(se3.exp_so3(np.array([0, np.pi / 4, 0])), [1.0, 0, 0])),
+            1.0 - 0.2 * np.sqrt(2),
+        ),
+    ],
+)
+def test_gaps_of_simple_pairs_are_exact(a, b, distance):
+    for first, second in ((a, b), (b, a)):
+        assert gap(Placed.of([first]), Placed.of([second]))[0] == pytest.approx(distance, abs=1e-6)
+
+
+def test_overlap_is_negative():
+    depth = gap(Placed.of([sphere("a", 0.1, (0, 0, 0.55))]), Placed.of([box("b", (2, 2, 1), np.eye(4))]))
+    assert depth[0] == pytest.approx(-0.05)
+
+
+def test_the_nominal_pose_is_clear_and_a_hand_in_the_table_is_not():
+    body = puma_with_hand_body(ARM)
+    assert body.clearance(puma560.NAMED["nominal"], obstacles())[0] > 0.05
+    X_W6 = se3.pose(np.diag([1.0, -1, -1]), [0.55, 0, 0.62])
+    deep, (mine, other) = body.clearance(puma560.inverse_near(X_W6, puma560.NAMED["nominal"]), obstacles())
+    assert deep < -0.01 and (mine.startswith("finger") or mine == "palm") and other in ("table", "stage", "stage_foot")
+
+
+def test_what_the_hand_holds_counts_as_part_of_it():
+    carton = box("carton", (0.1, 0.1, 0.2), se3.pose(np.eye(3), [0, 0, 0.18]))
+    empty, full = puma_with_hand_body(ARM), puma_with_hand_body(ARM, held=(carton,))
+    q = puma560.inverse_near(se3.pose(np.diag([1.0, -1, -1]), [0.55, 0, 0.87]), puma560.NAMED["nominal"])
+    assert full.clearance(q, obstacles()) == (
+        pytest.approx(0.87 - puma560.FLANGE - 0.28 - 0.52, abs=1e-6),
+        ("carton", "stage"),
+    )
+    assert empty.clearance(q, obstacles())[0] > 0.05
+
+
+def test_bad_shapes_and_fingers_beyond_their_stops_are_refused():
+    with pytest.raises(InputError, match="shape a: sizes must be positive, got"):
+        box("a", (0.1, -0.1, 0.1), np.eye(4))
+    with pytest.raises(InputError, match=r"finger_1_proximal is at 171\.9 deg, allowed are 0 to 140 deg"):
+        hand_shapes(np.array([0, 3.0, 0, 0, 0, 0, 0, 0]))
