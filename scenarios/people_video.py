@@ -19,11 +19,12 @@ import numpy as np
 from vipr.systems.camera.video_frames import FrameSource
 from vipr.systems.errors import InputError
 from vipr.systems.hands.overlay import draw_people
+from vipr.systems.hands.parts import PARTS
 from vipr.systems.hands.pipeline import PeopleBelief, see_people
-from vipr.systems.hands.tracks import PARTS
 from vipr.systems.recording.video import VideoWriter
 from vipr.systems.signals import HandTracks
-from vipr.systems.skin.chain import SkinOptions, as_bgr
+from vipr.systems.skin.classifier import SkinOptions
+from vipr.systems.skin.working_image import as_bgr
 
 COLUMNS = (
     "frame", "time_s", "face_x", "face_y", "face_seen", "left_x", "left_y", "left_seen", "right_x", "right_y", "right_seen", "area_px",

@@ -16,10 +16,10 @@ from vipr.scenarios.people_scenes import light_program, random_scene
 from vipr.systems.camera.video_frames import open_video
 from vipr.systems.errors import InputError
 from vipr.systems.hands import kalman
+from vipr.systems.hands.parts import PARTS
 from vipr.systems.hands.pipeline import PeopleBelief, see_people
-from vipr.systems.hands.tracks import PARTS
 from vipr.systems.recording.video import VideoWriter
-from vipr.systems.skin.chain import SkinOptions
+from vipr.systems.skin.classifier import SkinOptions
 
 SIZES = ((160, 120), (320, 240), (640, 480), (1280, 720))
 PAPER_MS = {"retrieval": 4.3, "segmentation": 0.6, "density": 2.1, "components": 2.1, "Kalman": 0.3}

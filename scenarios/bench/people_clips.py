@@ -9,7 +9,8 @@ import numpy as np
 from vipr.systems.camera.video_frames import open_video
 from vipr.systems.hands.pipeline import PeopleBelief, see_people
 from vipr.systems.signals import HandTracks
-from vipr.systems.skin.chain import SkinOptions, as_bgr
+from vipr.systems.skin.classifier import SkinOptions
+from vipr.systems.skin.working_image import as_bgr
 
 FACE_TOLERANCE, HAND_TOLERANCE = 0.35, 0.5  # of the shoulder width
 VISIBLE = 0.5  # confidence from which the reference counts

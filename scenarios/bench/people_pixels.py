@@ -9,8 +9,9 @@ import numpy as np
 from vipr.diagrams.living_room import ROOM_LABEL
 from vipr.scenarios.bench.people_rooms import film
 from vipr.scenarios.people_scenes import random_scene
-from vipr.systems.skin.chain import SkinBelief, SkinOptions, classify, see_skin
+from vipr.systems.skin.chain import SkinBelief, see_skin
 from vipr.systems.skin.chromaticity import chromaticity, lookup
+from vipr.systems.skin.classifier import SkinOptions, classify
 from vipr.systems.skin.colour_model import initial_model, skin_table
 from vipr.systems.skin.locus import SkinBox, box_table
 

@@ -12,7 +12,7 @@ from vipr.systems.camera.illumination import illuminate
 from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
 from vipr.systems.hands.label_truth import LEFT, RIGHT, tracks_from_labels
 from vipr.systems.hands.pipeline import PeopleBelief, see_people
-from vipr.systems.skin.chain import SkinOptions
+from vipr.systems.skin.classifier import SkinOptions
 
 BOOTSTRAP = 25  # frames that the chain has to find its person
 FAR = 10.0  # px at 160 px width: farther off is lost, not inaccurate

@@ -32,7 +32,7 @@ def hands(
     from vipr.scenarios.people_video import follow_video
     from vipr.systems.camera.video_frames import open_camera, open_images, open_video
     from vipr.systems.errors import InputError
-    from vipr.systems.skin.chain import SkinOptions
+    from vipr.systems.skin.classifier import SkinOptions
 
     if (video is not None) + (camera is not None) + (images is not None) != 1:
         raise InputError("hands: give one of --video FILE, --camera N and --images 'DIR/*.jpg'")

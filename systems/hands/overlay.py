@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from vipr.systems.hands.tracks import PARTS
+from vipr.systems.hands.parts import PARTS
 from vipr.systems.signals import HandTracks, SkinRegions
 
 COLOURS = {"face": (80, 220, 80), "left": (255, 140, 40), "right": (60, 80, 255)}  # BGR

@@ -7,7 +7,8 @@ import numpy as np
 
 from vipr.systems.hands.tracks import TracksBelief, follow
 from vipr.systems.signals import HandTracks
-from vipr.systems.skin.chain import SkinBelief, SkinOptions, see_skin
+from vipr.systems.skin.chain import SkinBelief, see_skin
+from vipr.systems.skin.classifier import SkinOptions
 
 
 @dataclass(frozen=True, eq=False)

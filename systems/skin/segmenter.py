@@ -4,7 +4,9 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import LeafSystem
 
 from vipr.systems.signals import CameraFrame, HandTracks, SkinRegions
-from vipr.systems.skin.chain import SkinBelief, SkinOptions, as_bgr, see_skin
+from vipr.systems.skin.chain import SkinBelief, see_skin
+from vipr.systems.skin.classifier import SkinOptions
+from vipr.systems.skin.working_image import as_bgr
 from vipr.systems.timing import LEDGER
 
 

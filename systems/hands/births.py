@@ -1,0 +1,138 @@
+"""Regions that nobody claimed become missing parts: a head by its looks, hands by their side of it."""
+
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+
+from vipr.systems.hands.candidates import Candidate
+from vipr.systems.hands.measurement import body_of, hand_of, head_of
+from vipr.systems.hands.parts import HEAD, LOST_AFTER, Track, anew
+
+
+def give_birth(
+    tracks: dict, free: list[Candidate], labels: np.ndarray, motion: np.ndarray, faceless: float, u: float
+) -> dict:
+    """Give regions that nobody claimed to parts that are missing; ``faceless`` s have passed without a face."""
+    tracks = dict(tracks)
+    free = [r for r in free if r.area > 8.0 * u * u and r.core[2] > 1.35 * u]
+    if _missing(tracks, "face") and ("face" not in tracks or tracks["face"].unseen > 0.2):
+        k = _likeliest_head(free, faceless)
+        if k is not None:
+            r = free.pop(k)
+            tracks["face"] = _born("face", *head_of(r, labels, None, None), r, u)
+    free = _possible_hands(free, tracks.get("face"))
+    tracks = _give_up_still_hands(tracks, free, tracks.get("face"))
+    missing = [name for name in ("left", "right") if _missing(tracks, name)]
+    for name, r in _cheapest_hands(missing, free[:3], tracks, labels.shape[1], u):
+        centre, area = hand_of(r, labels, motion, None, body_of(tracks, name))
+        tracks[name] = _born(name, centre, area, r, u)
+    return tracks
+
+
+def _missing(tracks: dict, name: str) -> bool:
+    return name not in tracks or tracks[name].unseen > 0 or tracks[name].crowded > 0.12
+
+
+def _likeliest_head(free: list[Candidate], faceless: float) -> int | None:
+    """Index of the region that may become the face; the longer there is none, the less it takes, if it is above other regions."""
+    found = [k for k, r in enumerate(free) if r.person > 0.28]
+    if not found:
+        return None
+    k = max(found, key=lambda k: free[k].headlike)
+    r = free[k]
+    others = [free[j] for j in found if j != k and free[j].person > 0.5]
+    topmost = len(others) >= 1 and all(r.core[1] < other.centre[1] for other in others)
+    enough = HEAD - (0.16 * min(faceless / 0.4, 1.0) if topmost else 0.0)
+    return k if r.headlike > enough and (r.person > 0.5 or topmost) else None
+
+
+def _possible_hands(free: list[Candidate], face: Track | None) -> list[Candidate]:
+    """Regions that can be a hand or an arm, the most evident first."""
+    if face is None:
+        hands = [r for r in free if r.person > 0.5]
+    else:  # a hand is not many times the size of the face, nor a speck beside it, nor out of reach, nor the neck
+        radius = face.head_radius
+
+        def possible(r):
+            dx, dy = (r.centre[0] - face.filter.x) / radius, (r.centre[1] - face.filter.y) / radius
+            neck = abs(dx) < 1.0 and 0.0 < dy < 3.6 and r.moving < 0.3
+            still = r.person <= 0.5
+            if neck or r.headlike > HEAD + 0.07 or (r.remnant and r.moving < 0.3) or (still and r.person < 0.28):
+                return False
+            size = 0.15 * face.area < r.area < (3.0 if still else 6.0) * face.area
+            return size and np.hypot(dx, dy) < 12.0 and (not still or _hangs(r, face))
+
+        hands = [r for r in free if possible(r)]
+    return sorted(hands, key=lambda r: -r.person * np.sqrt(r.area))
+
+
+def _hangs(r: Candidate, face: Track) -> bool:
+    """Whether a still region is where a hanging arm or resting hand would be."""
+    head = face.head_height
+    across, down = abs(r.centre[0] - face.filter.x) / head, (r.centre[1] - face.filter.y) / head
+    return bool(0.4 < across < 2.0 and 1.5 < down < 4.5)
+
+
+def _cheapest_hands(missing: list, free: list[Candidate], tracks: dict, width: int, u: float) -> list:
+    """(part, region) for missing hands: each as near as it can be to where it was lost, or else to its own side of the face."""
+    face = tracks.get("face")
+    middle, head = (0.5 * width, 0.2 * width) if face is None else (face.filter.x, face.head_height)
+
+    def price(name, r):
+        t = tracks.get(name)
+        if t is not None and 0 < t.unseen < LOST_AFTER:
+            return 0.6 * np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y) / ((12.0 + 160.0 * t.unseen) * u)
+        side = (r.centre[0] - middle) / head * (1.0 if name == "left" else -1.0)
+        return 0.1 + 0.6 * min(max(0.0, -side), 2.0)
+
+    best, chosen = np.inf, []
+    for regions in permutations([*free, *[None] * len(missing)], len(missing)):
+        pairs = [(name, r) for name, r in zip(missing, regions, strict=True) if r is not None]
+        prices = [price(name, r) for name, r in pairs]
+        if any(p > 0.65 for p in prices):
+            continue
+        total = sum(prices) + 0.7 * (len(missing) - len(pairs)) + sum(0.05 * free.index(r) for _, r in pairs)
+        if total < best:
+            best, chosen = total, pairs
+    return chosen
+
+
+def _give_up_still_hands(tracks: dict, free: list[Candidate], face: Track | None) -> dict:
+    """Without the tracks of things that hardly move, as far as larger regions that do move belong to nobody."""
+    size = 0.2 * face.area if face is not None else 0.0
+    waiting = sorted((r.moving * np.sqrt(r.area) for r in free if r.moving > 0.3 and r.area > size), reverse=True)
+    waiting = waiting[sum(_missing(tracks, n) for n in ("left", "right")) :]
+    held = {
+        n: (t.life + 0.1) * np.sqrt(t.area) for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared
+    }
+    tracks = dict(tracks)
+    for claim, name in zip(waiting, sorted(held, key=held.get), strict=False):
+        if claim > 2.0 * held[name]:
+            del tracks[name]
+    return tracks
+
+
+def look_for_better_face(
+    tracks: dict, now: Candidate | None, free: list[Candidate], labels: np.ndarray, u: float
+) -> dict:
+    """The face moved at once to a region near by that looks far more like one than where the track has ended."""
+    face = tracks.get("face")
+    if face is None or now is None or now.cut or face.shared:
+        return tracks
+    reach = 6.0 * np.sqrt(face.area / np.pi)
+    near = [r for r in free if np.hypot(r.centre[0] - face.filter.x, r.centre[1] - face.filter.y) < reach]
+    best = max(near, key=lambda r: r.headlike, default=None)
+    if best is None or best.headlike < max(HEAD + 0.05, now.headlike + 0.2):
+        return tracks
+    free.remove(best)
+    return {**tracks, "face": replace(_born("face", *head_of(best, labels, None, None), best, u), hits=face.hits)}
+
+
+def _born(name: str, centre, area: float, r: Candidate, u: float) -> Track:
+    return Track(
+        anew(name, centre, u),
+        max(area, 1.0),
+        headlike=r.headlike,
+        life=r.moving,
+    )

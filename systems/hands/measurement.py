@@ -1,0 +1,75 @@
+"""What a region says of the part in it: where the head or the hand is, and the track after that."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from vipr.systems.hands import kalman
+from vipr.systems.hands.assignment import GATE
+from vipr.systems.hands.blobs import SHOULDER, Body, hand_end, head_in, pixels_of
+from vipr.systems.hands.candidates import Candidate
+from vipr.systems.hands.merging import measure_shared
+from vipr.systems.hands.parts import LOST_AFTER, SIGMA_N, Track, anew
+
+LIFE = 2.0  # s, in which the memory of having moved halves
+
+
+def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, dt: float, u: float) -> dict:
+    """The tracks after their regions' measurements."""
+    out = {}
+    for name, t in tracks.items():
+        i = choice.get(name)
+        if i is None:
+            out[name] = replace(t, unseen=t.unseen + dt, shared=False)
+            continue
+        r = found[i]
+        sharers = [other for other in tracks if choice.get(other) == i]
+        if len(sharers) > 1:
+            out[name] = measure_shared(name, t, sharers, tracks, r, labels, dt, u)
+            continue
+        expected = t.position
+        if name == "face":
+            centre, area = head_of(r, labels, expected, t.head_radius)
+        else:
+            centre, area = hand_of(r, labels, motion, expected, body_of(tracks, name))
+        far = np.hypot(*(centre - expected)) > (GATE[name][0] + GATE[name][1] * dt) * u
+        f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, SIGMA_N * u)
+        rate = 0.15
+        slow = 1.0 if r.area > 1.7 * area else 0.25  # s
+        look = t.headlike if r.remnant or r.cut else t.headlike + (1 - np.exp(-dt / slow)) * (r.headlike - t.headlike)
+        out[name] = Track(
+            f, t.area + rate * (area - t.area), 0.0, t.hits + 1, look, max(r.moving, t.life * 0.5 ** (dt / LIFE)), met=t.met
+        )  # fmt: skip
+    return out
+
+
+def head_of(r: Candidate, labels: np.ndarray, expected, radius: float | None):
+    """Centre and area of the head in a region: all of it, or the ellipse about its core or about where it is expected."""
+    if r.area < 1.75 * np.pi * r.core[2] ** 2 and (radius is None or r.area < 1.6 * 1.3 * np.pi * radius**2):
+        return r.centre, r.area
+    near_core = expected is None or np.hypot(*(r.core[:2] - expected)) < max(r.core[2], radius)
+    start = r.core[:2] if near_core else expected
+    size = r.core[2] if radius is None else (0.5 * (radius + min(r.core[2], 1.5 * radius)) if near_core else radius)
+    centre, count = head_in(pixels_of(labels, r.row), start, size)
+    return (centre, count) if count else (r.centre, r.area)
+
+
+def hand_of(r: Candidate, labels: np.ndarray, motion: np.ndarray, expected, body: Body | None):
+    """Centre and area of the hand in a region: all of it, or the end of a bare arm."""
+    p = pixels_of(labels, r.row)
+    if len(p) < 12:
+        return r.centre, r.area
+    centre, count = hand_end(p, expected, body, motion)
+    return (r.centre, r.area) if count >= len(p) else (centre, r.area * count / len(p))
+
+
+def body_of(tracks: dict, name: str) -> Body | None:
+    """What the face says of the arm of a hand; None without a face."""
+    face = tracks.get("face")
+    if face is None or face.unseen > LOST_AFTER:
+        return None
+    head = face.head_height
+    side = 1.0 if name == "left" else -1.0
+    return Body(
+        np.array([face.filter.x + side * SHOULDER[0] * head, face.filter.y + SHOULDER[1] * head]), head, face.area
+    )

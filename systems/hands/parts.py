@@ -1,0 +1,51 @@
+"""The three parts that are followed, and the track of one of them. Positions are pixels of the region labels."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vipr.systems.hands import kalman
+from vipr.systems.hands.kalman import Kalman
+
+PARTS = ("face", "left", "right")
+# Lengths in px at a working size of 160 x 120 (they grow with the size), times in s.
+SIGMA_N = 0.8  # noise of a region's centre
+SIGMA_W = {"face": 500.0, "left": 2600.0, "right": 2600.0}  # acceleration noise, px/s^2
+SIGMA_V = {"face": 20.0, "left": 60.0, "right": 60.0}  # velocity of a new track, px/s
+LOST_AFTER = 0.7  # s unseen, after which a part may come back anywhere
+HEAD = 0.48  # headlike from which a region can become the face
+
+
+@dataclass(frozen=True)
+class Track:
+    """One part."""
+
+    filter: Kalman
+    area: float  # px^2, smoothed
+    unseen: float = 0.0  # s since it was seen
+    hits: int = 1
+    headlike: float = 0.0  # smoothed
+    life: float = 0.0  # 0 to 1: how much it moved in the last seconds
+    shared: bool = False
+    met: bool = False  # has it shared a region with the other hand
+    crowded: float = 0.0  # s for which it has shared a region that is too small for all
+
+    @property
+    def position(self) -> np.ndarray:
+        """(2,) px."""
+        return np.array([self.filter.x, self.filter.y])
+
+    @property
+    def head_radius(self) -> float:
+        """Half the width [px] of a head of this area; heads are 1.3 times as high as wide."""
+        return np.sqrt(self.area / np.pi / 1.3)
+
+    @property
+    def head_height(self) -> float:
+        """Height [px] of a head of this area."""
+        return 2.6 * self.head_radius
+
+
+def anew(name: str, centre, u: float) -> Kalman:
+    """A filter that starts at a place, with no velocity; ``u`` is the size of a pixel of 160 x 120."""
+    return kalman.start(*(float(c) for c in centre), SIGMA_N * u, SIGMA_V[name] * u)

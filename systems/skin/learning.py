@@ -1,0 +1,66 @@
+"""What a frame teaches: skin from face and moving hands, the rest from everywhere else, the still scene from what stays."""
+
+import cv2
+import numpy as np
+
+from vipr.systems.signals import HandTracks
+from vipr.systems.skin import colour_model, scene
+from vipr.systems.skin.chromaticity import Chromaticity, histogram, lookup
+from vipr.systems.skin.classifier import DARKEST
+from vipr.systems.skin.colour_model import doubt_table
+from vipr.systems.skin.regions import Found
+from vipr.systems.skin.scene import Scene
+
+
+def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, options):
+    """The still scene and the colour model after ``dt`` s.
+
+    Skin is learned from the face and from what moves in the person's regions, the rest from outside them and from the still scene.
+    """
+    on_person = _person_pixels(labels, found.person)
+    if options.still_scene or options.adapt:
+        kept = on_person
+        if tracks is not None:
+            kept = _followed(labels, tracks, scale) | _person_pixels(
+                labels, np.where(found.faceness > 0.25, found.person, 0.0)
+            )
+        still = scene.settle(still, colours.pixels, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
+    if not options.adapt:
+        return still, model
+    bright, person = colours.total >= DARKEST, on_person > 0
+    sample, trust = (skin > 60) & (still.motion > 0.25) & person, 0.6
+    if len(found.faceness) and found.faceness.max() > 0.25:
+        best = int(np.argmax(found.faceness))
+        x, y, r = found.cores[best]
+        ellipse = np.zeros_like(skin)
+        cv2.ellipse(ellipse, (round(x), round(y)), (max(1, round(0.95 * r)), max(1, round(1.2 * r))), 0, 0, 360, 1, -1)
+        sample |= (ellipse > 0) & (labels == best + 1) & (skin > 40)
+        trust = float(np.clip(found.faceness[best] / 0.4, 0.6, 1.0))
+    rest = histogram_of_rest(colours, bright & ~person, still)
+    return still, colour_model.adapt(model, histogram(colours.index[sample & bright]), rest, dt, trust)
+
+
+def histogram_of_rest(colours: Chromaticity, outside: np.ndarray, still: Scene) -> np.ndarray:
+    """Histogram of what is not the person: what could be skin by its colour counts as far as it is known to stand still."""
+    return histogram(
+        colours.index, np.where(outside, 1.0 - lookup(doubt_table(), colours.index) * (1.0 - still.sure), 0.0)
+    )
+
+
+def _person_pixels(labels: np.ndarray, person: np.ndarray) -> np.ndarray:
+    """(h, w) uint8, 1 on regions that are rather the person than not."""
+    table = np.zeros(256, np.uint8)
+    table[1 : len(person) + 1] = person > 0.5
+    return cv2.LUT(labels, table)
+
+
+def _followed(labels: np.ndarray, tracks: HandTracks, scale: float) -> np.ndarray:
+    """(h, w) uint8, 1 on regions that hold a part seen in the frame before, about that part."""
+    about = np.zeros_like(labels)
+    for name, area in zip(("face", "left", "right"), tracks.areas, strict=True):
+        if getattr(tracks, f"{name}_seen"):
+            x, y = (getattr(tracks, name) + 0.5) / scale - 0.5
+            cv2.circle(
+                about, (round(float(x)), round(float(y))), max(2, round(1.1 * float(np.sqrt(area)) / scale)), 1, -1
+            )
+    return about & np.minimum(labels, 1)
