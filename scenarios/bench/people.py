@@ -11,7 +11,7 @@ import numpy as np
 from vipr.scenarios.bench.people_clips import FACE_TOLERANCE, HAND_TOLERANCE, run_clips
 from vipr.scenarios.bench.people_pixels import classifiers, photographs, room_pixels, scores, uci_pixels
 from vipr.scenarios.bench.people_rooms import film, judge, summarise
-from vipr.scenarios.bench.tables import Table
+from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.scenarios.people_scenes import light_program, random_scene
 from vipr.systems.camera.video_frames import open_video
 from vipr.systems.errors import InputError
@@ -46,10 +46,7 @@ def run(
     progress: Callable[[str], None] = lambda what: None,
 ) -> Iterator[Table]:
     """The tables, one by one; ``data`` is the folder with video/, skin/ and images/."""
-    unknown = sorted(set(only or ()) - set(TABLES))
-    if unknown:
-        raise InputError(f"bench people: unknown part {', '.join(unknown)}; there are {', '.join(TABLES)}")
-    chosen = only or TABLES
+    chosen = chosen_parts("people", only, TABLES)
     if "time" in chosen:
         yield time_table(40 if quick else 200, progress)
     if "rooms" in chosen:

@@ -5,6 +5,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from vipr.systems.errors import InputError
+
 
 @dataclass
 class Table:
@@ -18,6 +20,15 @@ class Table:
     def as_dict(self) -> dict:
         rows = [{c: _plain(v) for c, v in zip(self.columns, row, strict=True)} for row in self.rows]
         return {"title": self.title, "note": self.note, "rows": rows}
+
+
+def chosen_parts(bench: str, only: Iterable[str] | None, parts: Iterable[str]) -> list[str]:
+    """The parts of a benchmark that were asked for, all of them if none; InputError for one that it does not have."""
+    parts, only = list(parts), list(only or ())
+    for name in only:
+        if name not in parts:
+            raise InputError(f"bench {bench}: unknown part {name!r}, allowed are {', '.join(parts)}")
+    return only or parts
 
 
 def print_tables(tables: Iterable[Table]) -> None:

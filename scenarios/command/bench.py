@@ -5,15 +5,27 @@ from typing import Annotated
 
 import typer
 
+# Benchmarks that print tables: what each measures and its parts. The module ``vipr.scenarios.bench.NAME`` has
+# ``run(quick, only, data, progress[, seed]) -> Iterator[Table]``.
+TABLES = {
+    "tracking": (
+        "The model-based tracker: accuracy, speed, disturbances, losses, recordings, time.",
+        "accuracy, fig11, parts, handheld, disturbance, loss, recordings, time",
+    ),
+    "people": (
+        "Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels.",
+        "time, rooms, light, clips, pixels",
+    ),
+}
+
 
 def register(app: typer.Typer) -> None:
     """Add ``bench`` and its benchmarks to the app."""
     group = typer.Typer(help="Measure a stage; the tables of the README.", no_args_is_help=True)
     app.add_typer(group, name="bench")
-    # One line a benchmark: `group.command("tracking")(tracking)`, heavy imports inside the function.
     group.command("align")(align)
-    group.command("tracking")(tracking)
-    group.command("people")(people)
+    for name, (summary, parts) in TABLES.items():
+        group.command(name, help=summary)(_tables_command(name, parts))
 
 
 def align(
@@ -37,48 +49,34 @@ def align(
         print_table(summaries)
 
 
-def tracking(
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Fewer and shorter sequences: minutes instead of an hour.")
-    ] = False,
-    only: Annotated[
-        str,
-        typer.Option(
-            help="Parts, with commas between: accuracy, fig11, parts, handheld, disturbance, loss, recordings, time."
-        ),
-    ] = "",
-    data: Annotated[
-        Path | None, typer.Option(help="Folder of recordings, each with images, model, camera and reference.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of all motions, scenery and noise.")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
-) -> None:
-    """The model-based tracker: accuracy, speed, disturbances, losses, recordings, time."""
-    from rich.console import Console
+def _tables_command(name: str, parts: str):
+    """The command of one of `TABLES`."""
 
-    from vipr.scenarios.bench.tables import print_json, print_tables
-    from vipr.scenarios.bench.tracking import run
+    def bench(
+        quick: Annotated[
+            bool, typer.Option("--quick", help="A small share of the runs: minutes instead of an hour.")
+        ] = False,
+        only: Annotated[str, typer.Option(help=f"Parts, with commas between: {parts}.")] = "",
+        data: Annotated[
+            Path | None,
+            typer.Option(envvar="VIPR_DATA", help="Folder of recordings; parts that need it are left out without it."),
+        ] = None,
+        seed: Annotated[
+            int | None, typer.Option(help="Seed of everything random; the benchmark's own if not given.")
+        ] = None,
+        as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
+    ) -> None:
+        from importlib import import_module
 
-    parts = [name.strip() for name in only.split(",") if name.strip()]
-    with Console(stderr=True).status("rendering") as status:
-        tables = run(quick=quick, only=parts, data=data, seed=seed, progress=status.update)
-        (print_json if as_json else print_tables)(tables)
+        from rich.console import Console
 
+        from vipr.scenarios.bench.tables import print_json, print_tables
 
-def people(
-    quick: Annotated[bool, typer.Option("--quick", help="A tenth of the scenes.")] = False,
-    only: Annotated[str, typer.Option(help="Parts, with commas between: time, rooms, light, clips, pixels.")] = "",
-    data: Annotated[Path | None, typer.Option(help="Folder of recordings with video/, skin/ and images/.")] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the first scene.")] = 1000,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
-) -> None:
-    """Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels."""
-    from rich.console import Console
+        run = import_module(f"vipr.scenarios.bench.{name}").run
+        wanted = [part.strip() for part in only.split(",") if part.strip()]
+        seeds = {} if seed is None else {"seed": seed}
+        with Console(stderr=True).status(f"bench {name}") as status:
+            tables = run(quick=quick, only=wanted, data=data, progress=status.update, **seeds)
+            (print_json if as_json else print_tables)(tables)
 
-    from vipr.scenarios.bench.people import run
-    from vipr.scenarios.bench.tables import print_json, print_tables
-
-    parts = [name.strip() for name in only.split(",") if name.strip()]
-    with Console(stderr=True).status("rendering") as status:
-        tables = run(quick=quick, only=parts, data=data, seed=seed, progress=status.update)
-        (print_json if as_json else print_tables)(tables)
+    return bench

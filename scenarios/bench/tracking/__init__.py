@@ -7,9 +7,8 @@ import importlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from vipr.scenarios.bench.tables import Table
+from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.scenarios.bench.tracking.workbench import Workbench
-from vipr.systems.errors import InputError
 
 PARTS = {
     "accuracy": "errors beside the Cramer-Rao bound",
@@ -32,10 +31,9 @@ def run(
     progress: Callable[[str], None] = lambda text: None,
 ) -> Iterator[Table]:
     """The tables of the parts, each as soon as it is measured. Raises InputError for unknown parts or missing data."""
-    names = only or [name for name in PARTS if name != "recordings" or data is not None]
-    for name in names:
-        if name not in PARTS:
-            raise InputError(f"bench tracking: unknown part {name!r}, allowed are {', '.join(PARTS)}")
+    names = chosen_parts("tracking", only, PARTS)
+    if not only and data is None:
+        names.remove("recordings")
     bench = Workbench(quick=quick, data=data, seed=seed, progress=progress)
     for name in names:
         yield from importlib.import_module(f"vipr.scenarios.bench.tracking.{name}").run(bench)

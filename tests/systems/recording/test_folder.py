@@ -210,6 +210,7 @@ import os, resource, signal, sys, time
 sys.path[:0] = [{tests!r}]
 from recording_ticks import PLOTS, fill, folder
 from vipr.systems.errors import InputError
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a parent in the background leaves it ignored
 {before}
 try:
     with folder(sys.argv[1]) as run:
