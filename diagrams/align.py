@@ -7,9 +7,11 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from vipr.diagrams.workcell import Workcell
 from vipr.systems.arm.commander import ArmCommander
-from vipr.systems.servo.controller import PositionBasedServo
+from vipr.systems.servo.controller import VisualServo
+from vipr.systems.servo.laws import ServoLaw
 from vipr.systems.servo.position_based import PositionBased
 from vipr.systems.servo.target_filter import TargetMotion
+from vipr.systems.servo.tasks import Reach
 from vipr.systems.tracking.annotator import PoseAnnotator
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.model_tracking import TrackerSettings
@@ -97,7 +99,7 @@ class AlignRobot(Diagram):
         *,
         X_WC: np.ndarray,
         tracker: TrackerSettings = TrackerSettings(),
-        law: PositionBased = PositionBased(),
+        law: ServoLaw = PositionBased(),
         motion: TargetMotion = TargetMotion(),
         schedule: Schedule = Schedule(),
     ):
@@ -120,8 +122,13 @@ class AlignRobot(Diagram):
         )
         servo = builder.AddNamedSystem(
             "servo",
-            PositionBasedServo(
-                workcell.arm, X_WC, X_OG, law=law, motion=motion, period=period, offset=schedule.servo_offset
+            VisualServo(
+                workcell.arm,
+                Reach(X_WC, X_OG, model.corners),
+                law=law,
+                motion=motion,
+                period=period,
+                offset=schedule.servo_offset,
             ),
         )
         arm = builder.AddNamedSystem(

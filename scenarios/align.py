@@ -1,6 +1,7 @@
 """``align``: the hand finds its reference pose above an object by sight, then keeps it while the object moves (paper III-D, Fig. 9)."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
@@ -11,6 +12,7 @@ from vipr.diagrams.workcell import Workcell, WorkcellConfig, fixed_camera, puma_
 from vipr.models import model_path, object_names
 from vipr.scenarios.motions import out_and_back
 from vipr.scenarios.scenario import Outcome, Scenario
+from vipr.scenarios.settings import ONE_OF
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.camera.imperfections import Imperfection
@@ -18,6 +20,7 @@ from vipr.systems.errors import InputError
 from vipr.systems.recording.channels import ImageChannel, JointChannel, PoseChannel, VectorChannel
 from vipr.systems.recording.history import History
 from vipr.systems.recording.plots import Line, Plot, PosePlot
+from vipr.systems.servo.laws import ServoLaw
 from vipr.systems.servo.position_based import PositionBased
 from vipr.systems.servo.target_filter import TargetMotion
 from vipr.systems.tracking.cad_model import load_model
@@ -46,7 +49,7 @@ class AlignSettings:
     camera: Imperfection = Imperfection()
     supersampling: int = 2  # of the rendering, 1 to 4
     tracker: TrackerSettings = TrackerSettings()
-    servo: PositionBased = PositionBased()
+    servo: Annotated[ServoLaw, ONE_OF] = PositionBased()
     target: TargetMotion = TargetMotion()
     max_error_mm: float = 2.0  # allowed at the end
     max_error_deg: float = 0.5

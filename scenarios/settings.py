@@ -1,17 +1,23 @@
 """Settings of a scenario: a dataclass, a YAML file of values, and ``key=value`` overrides.
 
 pydantic checks the types; the dataclasses check their values in ``__post_init__``; unknown keys are named here with the allowed ones.
+
+Where a setting is one of several dataclasses (``servo: Annotated[ServoLaw, ONE_OF]``), each has a field ``kind: Literal["its_name"]``.
+``servo=image_based`` chooses one, ``servo.gain=2`` sets a value of the one chosen, in whatever order; with none chosen it is the default.
 """
 
 import dataclasses
 import difflib
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import yaml
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from vipr.systems.errors import InputError
+
+KIND = "kind"  # the field that tells the options of a union apart
+ONE_OF = Field(discriminator=KIND)
 
 
 def load_settings(schema: type, path: Path | None, overrides: list[str] = ()) -> Any:
@@ -23,12 +29,13 @@ def load_settings(schema: type, path: Path | None, overrides: list[str] = ()) ->
     values = (yaml.safe_load(path.read_text()) or {}) if path is not None else {}
     for override in overrides:
         _set(values, override)
-    _check_keys(schema, values, "")
+    values = _checked(schema, values, "")
     try:
         return TypeAdapter(schema).validate_python(values)
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
+        errors = error.errors()  # of each option of a union; our own checks speak last and best
+        first = next((e for e in errors if e["type"] == "value_error"), errors[0])
+        key = ".".join(str(part) for part in first["loc"] if str(part) in _keys(values))
         given = "" if isinstance(first["input"], dict) else f", got {first['input']!r}"
         message = first["msg"].removeprefix("Value error, ")
         raise InputError(f"setting {key}: {message}{given}" if key else message) from None
@@ -50,21 +57,65 @@ def _set(values: dict, override: str) -> None:
     *parents, last = key.strip().split(".")
     for parent in parents:
         child = values.setdefault(parent, {})
+        if isinstance(child, str):
+            child = values[parent] = {KIND: child}
+        elif isinstance(child, float | int):  # a number beside which there is a dataclass, such as a gain
+            child = values[parent] = {}
         if not isinstance(child, dict):
             raise InputError(f"--set {override}: {parent} has no settings below it")
         values = child
-    values[last] = value
+    if isinstance(value, str) and isinstance(values.get(last), dict):
+        values[last] = {**values[last], KIND: value}
+    else:
+        values[last] = value
 
 
-def _check_keys(schema: type, values: Any, prefix: str) -> None:
+def _checked(schema: Any, values: Any, prefix: str) -> Any:
+    """The values, known to have no unknown keys, with the kind filled in wherever there is a choice of dataclasses."""
+    if get_args(schema) and get_origin(schema) not in (tuple, list, dict):
+        schema, values = _chosen(schema, values, prefix)
     if not dataclasses.is_dataclass(schema) or not isinstance(values, dict):
-        return
+        return values
     hints = get_type_hints(schema)
-    for key, value in values.items():
+    for key in values:
         if key not in hints:
             near = difflib.get_close_matches(str(key), hints, n=1)
             hint = f" Did you mean {prefix}{near[0]}?" if near else ""
             raise InputError(
                 f"unknown setting {prefix}{key}; allowed are {', '.join(prefix + name for name in hints)}.{hint}"
             )
-        _check_keys(hints[key], value, f"{prefix}{key}.")
+    defaults = {f.name: f.default for f in dataclasses.fields(schema)}
+    filled = {}
+    for key, value in values.items():
+        if isinstance(value, dict) and KIND not in value and hasattr(defaults[key], KIND):
+            value = {KIND: getattr(defaults[key], KIND), **value}
+        filled[key] = _checked(hints[key], value, f"{prefix}{key}.")
+    return filled
+
+
+def _chosen(union: Any, values: Any, prefix: str) -> tuple[Any, Any]:
+    """The dataclass of a union that the values are for, and the values as a dictionary with its kind."""
+    kinds = {_kind(option): option for option in get_args(union) if dataclasses.is_dataclass(option)}
+    if None in kinds:  # one dataclass beside plain types
+        return kinds[None] if isinstance(values, dict) else None, values
+    if not kinds:
+        return None, values
+    if isinstance(values, str):
+        values = {KIND: values}
+    kind = values.get(KIND) if isinstance(values, dict) else values
+    if kind not in kinds:
+        raise InputError(f"setting {prefix.rstrip('.')}: must be one of {', '.join(kinds)}, got {kind!r}")
+    return kinds[kind], values
+
+
+def _kind(schema: type) -> str | None:
+    """The word by which a dataclass is chosen from a union."""
+    hint = get_type_hints(schema).get(KIND)
+    return get_args(hint)[0] if hint else None
+
+
+def _keys(values: Any) -> set[str]:
+    """Every key of nested dictionaries: pydantic's error paths name the options of a union too."""
+    if not isinstance(values, dict):
+        return set()
+    return {str(key) for key in values}.union(*map(_keys, values.values()))

@@ -80,6 +80,16 @@ def adjoint(X_AB: np.ndarray) -> np.ndarray:
     return A
 
 
+def shift(V: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Twist (w, v) of the same body at the point p [m] from where V is taken, all in one frame."""
+    return np.concatenate([V[:3], V[3:] + np.cross(V[:3], p)])
+
+
+def rotate(R_AB: np.ndarray, V_B: np.ndarray) -> np.ndarray:
+    """Twist (w, v) in A's axes of one given in B's, at the same point."""
+    return np.concatenate([R_AB @ V_B[:3], R_AB @ V_B[3:]])
+
+
 def difference(X_WA: np.ndarray, X_WB: np.ndarray) -> np.ndarray:
     """(6,): rotation vector theta u [rad] and translation [m] that take pose A to pose B, both expressed in W."""
     return np.concatenate([log_so3(X_WB[:3, :3] @ X_WA[:3, :3].T), X_WB[:3, 3] - X_WA[:3, 3]])

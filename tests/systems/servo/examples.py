@@ -5,7 +5,9 @@ from pydrake.common.value import Value
 
 from vipr.systems import se3
 from vipr.systems.arm.puma560 import WRIST as ARM
-from vipr.systems.servo.controller import PositionBasedServo
+from vipr.systems.servo.controller import VisualServo
+from vipr.systems.servo.image_based import ImageBased
+from vipr.systems.servo.tasks import Reach
 from vipr.systems.signals import ObjectPose
 
 Q = np.array([0.1, 0.8, -2.5, 0.1, 0.9, 0.2])
@@ -13,7 +15,8 @@ Q = np.array([0.1, 0.8, -2.5, 0.1, 0.9, 0.2])
 
 def servo():
     X_OG = ARM.tool_pose(Q)  # with camera and object at the world's origin, the arm is at its goal
-    system = PositionBasedServo(ARM, np.eye(4), X_OG)
+    corners = 0.1 * np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float) + [0, 0, 1]
+    system = VisualServo(ARM, Reach(np.eye(4), X_OG, corners), law=ImageBased(jacobian="estimated"))
 
     def fix(context, t):
         seen = ObjectPose(
@@ -25,4 +28,4 @@ def servo():
     return system, fix
 
 
-EXAMPLES = {PositionBasedServo: servo}
+EXAMPLES = {VisualServo: servo}

@@ -1,38 +1,11 @@
-"""The position-based law and the target filter, each against what it claims."""
+"""The target filter against what it claims."""
 
 import numpy as np
 import pytest
 
 from vipr.systems import se3
 from vipr.systems.errors import InputError
-from vipr.systems.servo.position_based import PositionBased, carried_twist, servo_twist
 from vipr.systems.servo.target_filter import TargetBelief, TargetMotion, predict_pose, update
-
-START = se3.exp(np.array([0.5, -0.8, 0.3, 0.2, -0.1, 0.4]))
-
-
-def test_error_decays_exponentially_on_a_straight_line():
-    law = PositionBased(gain=2.0, max_speed=10.0, max_turn=10.0)
-    X_WE, X_WG, dt = START, np.eye(4), 1e-3
-    first = se3.difference(X_WE, X_WG)
-    for _ in range(1000):
-        V = servo_twist(se3.difference(X_WE, X_WG), np.zeros(6), law)
-        X_WE = se3.pose(se3.exp_so3(dt * V[:3]) @ X_WE[:3, :3], X_WE[:3, 3] + dt * V[3:])
-    assert np.allclose(se3.difference(X_WE, X_WG), np.exp(-2.0) * first, rtol=5e-3)
-
-
-def test_speed_limits_shorten_and_keep_the_direction():
-    law = PositionBased(gain=100.0, max_speed=0.1, max_turn=0.5)
-    error = se3.difference(START, np.eye(4))
-    V = servo_twist(error, np.zeros(6), law)
-    assert np.linalg.norm(V[3:]) <= 0.1 + 1e-12 and np.linalg.norm(V[:3]) <= 0.5 + 1e-12
-    assert np.allclose(np.cross(V[3:], error[3:]), 0) and np.allclose(np.cross(V[:3], error[:3]), 0)
-
-
-def test_carried_twist_is_the_motion_of_a_point_on_the_object():
-    V, p = np.array([0.1, 0.2, -0.3, 0.5, 0.4, 0.3]), np.array([0.3, -0.1, 0.2])
-    moved = se3.exp_so3(1e-6 * V[:3]) @ p + 1e-6 * V[3:]
-    assert np.allclose(carried_twist(V, p)[3:], (moved - p) / 1e-6, atol=1e-5)
 
 
 def test_filter_finds_the_speed_of_a_moving_object_and_predicts_it():
@@ -76,7 +49,7 @@ def test_filter_covariance_is_honest():
     assert 9.5 < np.mean(nees) < 15.0
 
 
-@pytest.mark.parametrize("bad", [{"gain": 0}, {"gain": float("nan")}, {"max_speed": -1}])
-def test_impossible_laws_are_refused(bad):
+@pytest.mark.parametrize("bad", [{"acceleration": 0}, {"least_position_noise": float("nan")}])
+def test_impossible_motions_are_refused(bad):
     with pytest.raises(InputError, match="must be positive"):
-        PositionBased(**bad)
+        TargetMotion(**bad)
