@@ -190,7 +190,7 @@ class Align(Scenario):
             Plot(
                 "Hand from its reference pose, against truth: rotation", "error", "deg", rotation, scale=np.rad2deg(1.0)
             ),
-            PosePlot("Object in the camera", "object_pose", "X_CO_true", limits=None),
+            PosePlot("Object in the camera", "object_pose", "X_CO_true", error="tracking_error"),
             Plot(
                 "Hand's commanded velocity",
                 "velocity",
@@ -209,7 +209,7 @@ class Align(Scenario):
 
     def judge(self, history: History) -> Outcome:
         s, t = self.settings, history.times
-        mm, deg = _norms(history, "alignment_error")
+        mm, deg = history.error_norms("alignment_error")
         windows = {
             "final": t > self.duration - 0.5,
             "following": (t >= s.approach_s) & (t <= self._motion.end_time()) & (s.cruise_s > 0),
@@ -220,7 +220,7 @@ class Align(Scenario):
             if window.any():
                 figures[f"{name}_translation_error_mm"] = mm[window].max()
                 figures[f"{name}_rotation_error_deg"] = deg[window].max()
-        seen_mm, seen_deg = _norms(history, "tracking_error")
+        seen_mm, seen_deg = history.error_norms("tracking_error")
         found = np.isfinite(seen_mm)
         if found.any():
             figures["tracking_translation_rms_mm"] = np.sqrt(np.mean(seen_mm[found] ** 2))
@@ -243,12 +243,6 @@ class Align(Scenario):
             "following_translation_error_mm": s.max_following_error_mm,
             "following_rotation_error_deg": s.max_following_error_deg,
         }
-
-
-def _norms(history: History, channel: str) -> tuple[np.ndarray, np.ndarray]:
-    """Size of an error channel in each tick: translation [mm], rotation [deg]."""
-    error = np.column_stack([history.numbers(f"{channel}.{axis}") for axis in AXES])
-    return 1e3 * np.linalg.norm(error[:, 3:], axis=1), np.rad2deg(np.linalg.norm(error[:, :3], axis=1))
 
 
 def reference_pose(corners_O: np.ndarray, clearance: float) -> np.ndarray:

@@ -83,6 +83,13 @@ class History:
         column = (channel.joints if isinstance(channel, JointChannel) else channel.names).index(number)
         return np.array([row[column] for row in self._rows[channel_name]], float)
 
+    def error_norms(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Distance [mm] and angle [deg] (n,) of a vector channel rx, ry, rz, x, y, z [rad, m] that holds a pose's error."""
+        rotation, translation = (
+            np.stack([self.numbers(f"{name}.{axis}") for axis in axes], axis=1) for axes in (("rx", "ry", "rz"), "xyz")
+        )
+        return 1e3 * np.linalg.norm(translation, axis=1), np.rad2deg(np.linalg.norm(rotation, axis=1))
+
     def stills(self) -> list[tuple[float, bytes]]:
         """Up to six stills over the whole run, the first and the last image among them: (time [s], JPEG)."""
         kept = self._stills

@@ -56,6 +56,7 @@ class PosePlot:
     title: str
     estimate: str  # names of pose channels in one parent frame
     truth: str
+    error: str = ""  # vector channel of the errors at the exposures (``History.error_norms``); else those at the ticks
     limits: tuple[float, float] | None = None  # mm and degrees, drawn in the error panels
 
 
@@ -99,9 +100,9 @@ def _pose_figure(plot: PosePlot, history: History) -> Figure:
                 zorder=3,
                 label="truth" if k == 2 else None,
             )
-    _line(position_error, times, np.linalg.norm(p - p_true, axis=1), **_look(3))
-    angles = [angle_between(A, B) if np.isfinite(A + B).all() else np.nan for A, B in zip(estimate, truth, strict=True)]
-    _line(rotation_error, times, np.rad2deg(angles), **_look(3))
+    mm, deg = pose_errors(plot, history)
+    _line(position_error, times, mm, **_look(3))
+    _line(rotation_error, times, deg, **_look(3))
     limits = plot.limits or (None, None)
     _finish(position, f"{plot.title}: position", "since the start [mm]", x_label=False)
     _finish(rotation, f"{plot.title}: rotation", "since the start [deg]", x_label=False)
@@ -109,6 +110,15 @@ def _pose_figure(plot: PosePlot, history: History) -> Figure:
     _finish(rotation_error, "Rotation error against truth", "angle [deg]", limits[1])
     _legend(position, 4)
     return figure
+
+
+def pose_errors(plot: PosePlot, history: History) -> tuple[np.ndarray, np.ndarray]:
+    """Distance [mm] and angle [deg] between estimate and truth at each tick (n,)."""
+    if plot.error:
+        return history.error_norms(plot.error)
+    estimate, truth = history.poses(plot.estimate), history.poses(plot.truth)
+    angles = [angle_between(A, B) if np.isfinite(A + B).all() else np.nan for A, B in zip(estimate, truth, strict=True)]
+    return 1e3 * np.linalg.norm(estimate[:, :3, 3] - truth[:, :3, 3], axis=1), np.rad2deg(angles)
 
 
 def _motion(poses: np.ndarray, truth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

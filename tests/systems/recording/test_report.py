@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from recording_ticks import CHANNELS, PLOTS, tick
 
-from vipr.systems.recording.channels import Event
+from vipr.systems.recording.channels import Event, VectorChannel
 from vipr.systems.recording.diagram_picture import write_diagram
 from vipr.systems.recording.history import STILLS, History
-from vipr.systems.recording.plots import Line, Plot, draw
+from vipr.systems.recording.plots import Line, Plot, PosePlot, draw, pose_errors
 from vipr.systems.recording.report import flat, make_report, name_and_unit
 from vipr.systems.recording.summary import make_summary, time_figures
 from vipr.systems.signals import ObjectPose
@@ -127,6 +127,16 @@ def test_missing_numbers_leave_gaps_and_no_warnings():
         assert draw(plot, grown).startswith(b"<?xml")
     assert np.isnan(grown.poses("X_CO")[:5]).all()
     assert np.isfinite(grown.poses("X_CO")[5:]).all()
+
+
+def test_a_pose_plot_shows_the_errors_at_the_exposures_where_a_channel_holds_them():
+    names = ("rx", "ry", "rz", "x", "y", "z")
+    history = History((*CHANNELS, VectorChannel("tracking_error", names=names, units=("rad",) * 3 + ("m",) * 3)))
+    for k in range(3):
+        history.add(0.04 * k, tick(k) | {"tracking_error": np.array([0.0, 0.02, 0.0, 0.003, 0.0, 0.004])})
+    at_ticks, at_exposures = (PosePlot("object", "X_CO", "X_CO_true", error=e) for e in ("", "tracking_error"))
+    np.testing.assert_allclose(pose_errors(at_exposures, history), [[5.0] * 3, [np.rad2deg(0.02)] * 3])
+    np.testing.assert_allclose(pose_errors(at_ticks, history)[0][1:], 0.0, atol=1e-9)
 
 
 def test_plots_are_the_same_bytes_each_time():
