@@ -21,10 +21,14 @@ def draw_overlay(
         x, y = np.round(nodes.pixel).astype(int).T
         for dx, dy in ((0, 0), (1, 0), (0, 1)):
             canvas[np.minimum(y + dy, len(canvas) - 1), np.minimum(x + dx, canvas.shape[1] - 1)] = colour
-    scale = max(canvas.shape[1] / 1280.0, 0.4)
-    for thickness, shade in ((3, (0, 0, 0)), (1, colour)):
-        place = (int(12 * scale) + 2, int(34 * scale) + 4)
-        cv2.putText(
-            canvas, f"{text} {state}", place, cv2.FONT_HERSHEY_SIMPLEX, scale * 1.1, shade, thickness, cv2.LINE_AA
-        )
+    _write(canvas, f"{text} {state}".strip(), colour)
     return canvas
+
+
+def _write(canvas: np.ndarray, text: str, colour: tuple[int, int, int]) -> None:
+    """Text in the corner with a dark rim: the same glyphs shifted, as a bolder font may be wider."""
+    scale = max(canvas.shape[1] / 1280.0, 0.4)
+    x, y = int(12 * scale) + 2, int(34 * scale) + 4
+    rim = [((dx, dy), (0, 0, 0)) for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
+    for (dx, dy), shade in (*rim, ((0, 0), colour)):
+        cv2.putText(canvas, text, (x + dx, y + dy), cv2.FONT_HERSHEY_SIMPLEX, 1.1 * scale, shade, 1, cv2.LINE_AA)
