@@ -134,7 +134,12 @@ class AlignRobot(Diagram):
         arm = builder.AddNamedSystem(
             "arm",
             ArmCommander(
-                workcell.arm, workcell.joint_limits, config.q_initial, period=schedule.arm, offset=schedule.arm_offset
+                workcell.arm,
+                workcell.joint_limits,
+                config.q_initial,
+                guard=workcell.guard,
+                period=schedule.arm,
+                offset=schedule.arm_offset,
             ),
         )
         annotator = builder.AddNamedSystem("annotator", PoseAnnotator(model, config.lens))

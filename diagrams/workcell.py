@@ -14,7 +14,9 @@ from vipr.models import model_path
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.arm.encoders import JointEncoders
+from vipr.systems.arm.guard import CollisionGuard
 from vipr.systems.arm.kinematics import SerialArm
+from vipr.systems.arm.puma_body import puma_with_hand_body
 from vipr.systems.arm.resolved_rate import JointLimits
 from vipr.systems.arm.shapes import Shape, box, cylinder
 from vipr.systems.camera.camera import Camera
@@ -148,6 +150,7 @@ class Workcell(Diagram):
         self.joint_limits = JointLimits(
             puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION
         )
+        self.guard = CollisionGuard(puma_with_hand_body(self.arm), obstacles())
         add_renderer(scene_graph, RENDERER, daylight())
 
         encoders = builder.AddNamedSystem("encoders", JointEncoders(ARM_COUNT))

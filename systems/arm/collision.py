@@ -32,22 +32,11 @@ class ArmBody:
             raise InputError(f"arm body: {len(self.shapes)} shapes but {len(self.links)} links")
 
     @cached_property
-    def _placed(self) -> Placed:
-        return Placed.of(list(self.shapes))
-
-    @cached_property
     def _own_pairs(self) -> np.ndarray:
         """(P, 2): the shapes of different links that may meet."""
         links = list(enumerate(self.links))
         found = [(i, j) for i, a in links for j, b in links if a - b >= 2 and (a, b) not in self.ignored]
         return np.array(found, int).reshape(-1, 2)
-
-    def place(self, q: np.ndarray) -> Placed:
-        """All shapes at q (n,) in B; for many q (N, n) the shapes of the first, of the second, and so on."""
-        X_BL = self.arm.link_poses(np.atleast_2d(q))[:, list(self.links)]
-        p, count = self._placed, len(X_BL)
-        X = (X_BL @ p.X).reshape(-1, 4, 4)
-        return Placed(X, np.tile(p.half, (count, 1)), np.tile(p.disc, count), np.tile(p.radius, count))
 
     def clearance(self, q: np.ndarray, obstacles: tuple[Shape, ...] = ()) -> tuple[np.ndarray, list[tuple[str, str]]]:
         """Smallest gap and its pair, for each of many configurations.
@@ -61,38 +50,57 @@ class ArmBody:
             shapes, the arm's first (one pair for a single q).
         """
         q = np.asarray(q, float)
-        many = np.atleast_2d(q)
-        count, size = len(many), len(self.shapes)
-        mine = self.place(many)
-        arm, other = self._all_pairs(len(obstacles))
-        blocks = np.arange(count)[:, None]
-        fixed = Placed.of(list(obstacles))
-        all_shapes = Placed(*(np.concatenate(pair) for pair in zip(_fields(mine), _fields(fixed), strict=True)))
-        first = (blocks * size + arm).ravel()
-        second = np.where(other < size, blocks * size + other, count * size + other - size).ravel()
-        distance = np.full(count * len(arm), np.inf)
-        if len(distance):
-            a, b = all_shapes[first], all_shapes[second]
-            most = centre_distance(a, b)
-            least = most - a.reach
-            bound = most.reshape(count, -1).min(axis=1).repeat(len(arm))
-            close = np.flatnonzero(least <= bound - TOLERANCE)
-            distance[close] = gap(a[close], b[close])
+        arm, other = self.pairs_with(len(obstacles))
+        if not len(arm):
+            raise InputError("clearance: the arm's shapes and the obstacles make no pair that could meet")
+        a, b, count = self._pairs_placed(q, arm, other, self.with_obstacles(obstacles))
+        most = centre_distance(a, b)
+        bound = most.reshape(count, -1).min(axis=1).repeat(len(arm))
+        close = np.flatnonzero(most - a.reach <= bound - TOLERANCE)
+        distance = np.full(len(most), np.inf)
+        distance[close] = gap(a[close], b[close])
         distance = distance.reshape(count, -1)
-        nearest = distance.argmin(axis=1) if distance.shape[1] else np.zeros(count, int)
+        nearest = distance.argmin(axis=1)
         names = [*(s.name for s in self.shapes), *(s.name for s in obstacles)]
-        pairs = [(names[arm[k]], names[other[k]]) if len(arm) else ("", "") for k in nearest]
-        gaps = distance.min(axis=1, initial=np.inf)
+        pairs = [(names[arm[k]], names[other[k]]) for k in nearest]
+        gaps = distance.min(axis=1)
         return (gaps, pairs) if q.ndim == 2 else (gaps[0], pairs[0])
 
-    def _all_pairs(self, obstacles: int) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the arm's shape and of the other one: its own shapes first, then the obstacles. Link 0 never moves."""
+    def gaps(self, q: np.ndarray, first: np.ndarray, second: np.ndarray, everything: Placed) -> np.ndarray:
+        """(N, P) the gap [m] of each given pair (numbered as by ``pairs_with``, of ``with_obstacles``) at each q (N, n)."""
+        a, b, count = self._pairs_placed(q, first, second, everything)
+        return gap(a, b).reshape(count, -1)
+
+    def pairs_with(self, obstacles: int) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers (P,) of the arm's shape and of the other one in each pair that may meet: own shapes first, then the obstacles.
+
+        The base never moves: it meets no obstacle.
+        """
         moving = np.flatnonzero(np.array(self.links) > 0)
         own = self._own_pairs
         first = np.concatenate([own[:, 0], np.repeat(moving, obstacles)])
         second = np.concatenate([own[:, 1], len(self.shapes) + np.tile(np.arange(obstacles), len(moving))])
         return first.astype(int), second.astype(int)
 
+    def with_obstacles(self, obstacles: tuple[Shape, ...]) -> Placed:
+        """The arm's shapes in their links and the obstacles in B."""
+        return Placed.of([*self.shapes, *obstacles])
 
-def _fields(p: Placed) -> tuple[np.ndarray, ...]:
-    return p.X, p.half, p.disc, p.radius
+    def _pairs_placed(self, q, first, second, everything: Placed) -> tuple[Placed, Placed, int]:
+        """Both shapes of every pair, for the first q, the second, and so on; and the number of q."""
+        X_BL = self.arm.link_poses(np.atleast_2d(q))[:, list(self.links)]
+        count = len(X_BL)
+        X = np.empty((count, len(everything.disc), 4, 4))
+        X[:, : len(self.shapes)] = X_BL @ everything.X[: len(self.shapes)]
+        X[:, len(self.shapes) :] = everything.X[len(self.shapes) :]
+
+        def chosen(k):
+            part = everything[k]
+            return Placed(
+                X[:, k].reshape(-1, 4, 4),
+                np.tile(part.half, (count, 1)),
+                np.tile(part.disc, count),
+                np.tile(part.radius, count),
+            )
+
+        return chosen(first), chosen(second), count

@@ -1,16 +1,21 @@
 """The arm's set-point generator: twists of the tool in, joint set-points out."""
 
 import numpy as np
+from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, LeafSystem
 
+from vipr.systems.arm.guard import CollisionGuard, guarded_rates
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.arm.resolved_rate import Damping, JointLimits, damped_rates, limited_rates
 from vipr.systems.errors import InputError
+from vipr.systems.signals import Status
 from vipr.systems.timing import LEDGER
+
+LOST = 0.01  # share of the twist that a singularity must take away to be named
 
 
 class ArmCommander(LeafSystem):
-    """Turns a twist of the tool into joint set-points that respect every limit of the arm.
+    """Turns a twist of the tool into joint set-points that respect every limit of the arm and touch nothing.
 
     .. pydrake_system::
 
@@ -20,16 +25,18 @@ class ArmCommander(LeafSystem):
         output_ports:
         - desired_state
         - limited_by
+        - status
 
     Frames: W world, E tool. ``V_WE_W`` (6) is the wanted twist of E (w, v) [rad/s, m/s], held between its updates. Every ``period``
-    the set-points q (n) [rad] move by limited joint rates; ``desired_state`` (2n) is [q; qdot] for the joint servo and ``limited_by``
-    (1) tells what limited the last step: 0 nothing, 1 speed, 2 acceleration, 3 position, 4 a singularity. The state starts at
-    ``q_initial`` at rest.
+    the set-points q (n) [rad] move by limited joint rates; ``desired_state`` (2n) is [q; qdot] for the joint servo. Limits keep the
+    direction of the motion: they make it slower, to a halt if need be. ``limited_by`` (1) tells what limited the last step: 0 nothing,
+    1 speed, 2 acceleration, 3 position, 4 a singularity, 5 a collision; ``status`` (Status) says it in words, for a collision with the
+    two shapes that came near each other. Without a ``guard`` nothing is kept from colliding. The state starts at ``q_initial`` at rest.
 
-    Source: damped least squares as in ``resolved_rate``.
+    Source: damped least squares as in ``resolved_rate``; collisions as in ``guard``.
     """
 
-    REASONS = ("", "speed", "acceleration", "position", "singularity")
+    REASONS = ("", "speed", "acceleration", "position", "singularity", "collision")
 
     def __init__(
         self,
@@ -39,6 +46,7 @@ class ArmCommander(LeafSystem):
         *,
         X_WB: np.ndarray | None = None,
         damping: Damping = Damping(),
+        guard: CollisionGuard | None = None,
         period: float = 0.01,
         offset: float = 0.0,
     ):
@@ -51,36 +59,55 @@ class ArmCommander(LeafSystem):
                 f"arm: joint {joint + 1} starts at {np.rad2deg(q_initial[joint]):.1f} deg, allowed are "
                 f"{np.rad2deg(limits.lower[joint]):.1f} to {np.rad2deg(limits.upper[joint]):.1f} deg"
             )
-        self._arm, self._limits, self._damping, self._period = arm, limits, damping, period
-        self._X_WB = np.eye(4) if X_WB is None else X_WB
+        self._arm, self._limits, self._damping, self._guard, self._period = arm, limits, damping, guard, period
+        self._R_BW = np.eye(3) if X_WB is None else np.asarray(X_WB)[:3, :3].T
         self._n = n = len(q_initial)
+        unknown = np.full(0 if guard is None else len(guard.names), -np.inf)  # gaps of the watched pairs
         self._V = self.DeclareVectorInputPort("V_WE_W", 6)
-        state = self.DeclareDiscreteState(np.concatenate([q_initial, np.zeros(n), [0.0]]))
+        state = self.DeclareDiscreteState(np.concatenate([q_initial, np.zeros(n), [0.0, -1.0], unknown]))
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
         ticket = {self.discrete_state_ticket(state)}
         self.DeclareVectorOutputPort("desired_state", BasicVector(2 * n), self._calc_desired_state, ticket)
         self.DeclareVectorOutputPort("limited_by", BasicVector(1), self._calc_limited_by, ticket)
+        self.DeclareAbstractOutputPort("status", lambda: Value(Status()), self._calc_status, ticket)
 
-    def _state(self, context) -> np.ndarray:
-        return context.get_discrete_state_vector().CopyToVector()
+    def _parts(self, context) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Set-points, rates, (reason, pair) of the last step, and the gaps known."""
+        state, n = context.get_discrete_state_vector().CopyToVector(), self._n
+        return state[:n], state[n : 2 * n], state[2 * n : 2 * n + 2], state[2 * n + 2 :]
 
     def _update(self, context, discrete_state):
         with LEDGER.charge("control"):
-            state = self._state(context)
-            q, rates = state[: self._n], state[self._n : -1]
-            V_BE_B = self._V.Eval(context).copy()
-            R_BW = self._X_WB[:3, :3].T
-            V_BE_B[:3], V_BE_B[3:] = R_BW @ V_BE_B[:3], R_BW @ V_BE_B[3:]
-            _, J = self._arm.tool_pose_and_jacobian(q)
-            wanted, smallest = damped_rates(J, V_BE_B, self._damping)
-            new, reason = limited_rates(wanted, q, rates, self._limits, self._period)
-            if not reason and smallest < self._damping.threshold:
-                reason = "singularity"
-            q = np.clip(q + self._period * new, self._limits.lower, self._limits.upper)
-            discrete_state.set_value(np.concatenate([q, new, [self.REASONS.index(reason)]]))
+            q, previous, _, gaps = self._parts(context)
+            V_BE_B = (self._R_BW @ self._V.Eval(context).reshape(2, 3).T).T.ravel()
+            rates, reason, pair, gaps = self._step(q, previous, gaps, V_BE_B)
+            why = [self.REASONS.index(reason), pair]
+            discrete_state.set_value(np.concatenate([q + self._period * rates, rates, why, gaps]))
+
+    def _step(self, q: np.ndarray, previous: np.ndarray, gaps: np.ndarray, V_BE_B: np.ndarray):
+        """Rates, what limited them, the pair of shapes that did, and the gaps that are certain after the step."""
+        _, J = self._arm.tool_pose_and_jacobian(q)
+        wanted, lost = damped_rates(J, V_BE_B, self._damping)
+        rates, reason = limited_rates(wanted, q, previous, self._limits, self._period)
+        if lost > LOST and reason != "position":
+            reason = "singularity"
+        if self._guard is None:
+            return rates, reason, -1, gaps
+        held = guarded_rates(self._guard, rates, q, previous, gaps, self._limits, self._period)
+        return held.rates, reason if held.pair < 0 else "collision", held.pair, held.gaps
 
     def _calc_desired_state(self, context, output):
-        output.set_value(self._state(context)[:-1])
+        output.set_value(np.concatenate(self._parts(context)[:2]))
 
     def _calc_limited_by(self, context, output):
-        output.set_value(self._state(context)[-1:])
+        output.set_value(self._parts(context)[2][:1])
+
+    def _calc_status(self, context, output):
+        reason, pair = self._parts(context)[2].astype(int)
+        reason = self.REASONS[reason]
+        if reason == "collision":
+            output.set_value(Status(f"held off: {' near '.join(self._guard.names[pair])}", "warning"))
+        elif reason in ("position", "singularity"):
+            output.set_value(Status(f"limited by {reason}", "warning"))
+        else:
+            output.set_value(Status())

@@ -1,7 +1,9 @@
 """Resolved rate: a twist of the tool to joint rates within position, speed and acceleration limits.
 
-Damped least squares (Nakamura and Hanafusa 1986; Wampler 1986) with a damping that grows only near singularities, then one scale for
-the whole vector, so that the tool keeps its direction when a joint reaches its speed limit.
+The inverse of the Jacobian, damped only along the directions that a singularity takes away (selective damping: Nakamura and Hanafusa 1986,
+Maciejewski and Klein 1988): what the arm can still do it does exactly. Limits shorten the whole vector, so that the tool keeps its
+direction: it slows down where a joint nears its speed or its stop, and halts rather than turn aside. Two things override the direction:
+an acceleration limit while the arm changes from another motion, and a joint that must brake at its full deceleration before its stop.
 """
 
 from dataclasses import dataclass
@@ -29,21 +31,28 @@ class JointLimits:
 
 @dataclass(frozen=True)
 class Damping:
-    """Damped least squares: J^T (J J^T + d^2 I)^-1 with d rising from 0 below a smallest singular value."""
+    """Damping d of singular values s below the threshold: s / (s^2 + d^2), with d rising from 0 to ``largest`` at s = 0."""
 
     threshold: float = 0.06  # of the Jacobian with lengths divided by `length`
     largest: float = 0.08
     length: float = 0.3  # m, makes rotations and translations comparable
 
+    def __post_init__(self):
+        for name in self.__dataclass_fields__:
+            if not getattr(self, name) > 0:
+                raise InputError(f"arm: damping {name} must be positive, got {getattr(self, name)}")
+
 
 def damped_rates(J: np.ndarray, V: np.ndarray, damping: Damping = Damping()) -> tuple[np.ndarray, float]:
-    """Joint rates (n,) [rad/s] for the twist V (w, v), and the smallest singular value of the scaled Jacobian."""
+    """Joint rates (n,) [rad/s] for the twist V (w, v), and the share of the twist (0 to 1) that damping gives up."""
     scale = np.array([1.0, 1.0, 1.0, *(1.0 / damping.length,) * 3])
-    U, s, Vt = np.linalg.svd(J * scale[:, None])
-    d2 = 0.0
-    if s[-1] < damping.threshold:
-        d2 = (1.0 - (s[-1] / damping.threshold) ** 2) * damping.largest**2
-    return Vt.T[:, : len(s)] @ (s / (s**2 + d2) * (U.T @ (V * scale))), float(s[-1])
+    U, s, Vt = np.linalg.svd(J * scale[:, None], full_matrices=False)
+    d2 = np.maximum(1.0 - (s / damping.threshold) ** 2, 0.0) * damping.largest**2
+    wanted = V * scale
+    parts = U.T @ wanted
+    kept = s**2 / (s**2 + d2)
+    lost = np.linalg.norm((1.0 - kept) * parts) / max(np.linalg.norm(wanted), 1e-12)
+    return Vt.T @ (s / (s**2 + d2) * parts), float(lost)
 
 
 def limited_rates(
@@ -53,34 +62,59 @@ def limited_rates(
 
     Args:
         rates: wanted joint rates.
-        q: joint set-points [rad].
-        previous: rates of the last period [rad/s].
+        q: joint set-points [rad], within their limits.
+        previous: rates of the last period [rad/s], as given by this function.
         limits: of the joints.
         dt: period [s].
 
     Returns:
-        the rates, and ``""``, ``"speed"``, ``"acceleration"`` or ``"position"`` (the last that applied).
+        the rates, and ``""``, ``"speed"``, ``"acceleration"`` or ``"position"`` (the tightest).
     """
+    room = np.where(rates > 0, limits.upper - q, q - limits.lower)
+    size = np.maximum(np.abs(rates), 1e-12)
+    speed = np.min(limits.speed / size)
+    # Along the wanted direction the arm is one body: the nearest stop and the weakest joint tell how fast it may go.
+    position = braking_speed(np.min(np.maximum(room, 0.0) / size), np.min(limits.acceleration / size), dt)
     reason = ""
-    over = np.max(np.abs(rates) / limits.speed)
-    if over > 1.0:
-        rates, reason = rates / over, "speed"
-    change = rates - previous
-    over = np.max(np.abs(change) / (limits.acceleration * dt))
-    if over > 1.0:
-        rates, reason = previous + change / over, reason or "acceleration"
-    # Position: a joint must be able to brake before its stop: v^2 <= 2 a (distance left), so that braking never needs more than a.
-    room_up = np.maximum(limits.upper - q, 0.0)
-    room_down = np.maximum(q - limits.lower, 0.0)
-    top = _braking_speed(room_up, limits.acceleration, dt)
-    bottom = -_braking_speed(room_down, limits.acceleration, dt)
-    clipped = np.clip(rates, bottom, top)
-    if not np.array_equal(clipped, rates):
+    if min(speed, position) < 1.0 - 1e-9:
+        reason = "speed" if speed < position else "position"
+        rates = min(speed, position) * rates
+    new = step_towards(rates, previous, limits, dt)
+    if not reason and not np.array_equal(new, rates):
+        reason = "acceleration"
+    clipped = within_stops(new, q, limits, dt)
+    if not np.array_equal(clipped, new):
         reason = "position"
     return clipped, reason
 
 
-def _braking_speed(room: np.ndarray, acceleration: np.ndarray, dt: float) -> np.ndarray:
-    """Largest speed [rad/s] from which steps of dt still stop within the room [rad] at the given deceleration."""
-    half = 0.5 * acceleration * dt
-    return np.sqrt(half**2 + 2.0 * acceleration * room) - half
+def step_towards(rates: np.ndarray, previous: np.ndarray, limits: JointLimits, dt: float) -> np.ndarray:
+    """The largest share of the wanted rates that the accelerations allow now.
+
+    Where no share is within reach (the arm moves otherwise still), straight from the previous rates towards the wanted ones.
+    """
+    most = limits.acceleration * dt
+    size = np.maximum(np.abs(rates), 1e-12)
+    towards = np.sign(rates) * previous
+    low, high = np.max((towards - most) / size), np.min((towards + most) / size)
+    if max(low, 0.0) <= min(high, 1.0) and (np.abs(previous[rates == 0.0]) <= most[rates == 0.0]).all():
+        return min(high, 1.0) * rates
+    change = rates - previous
+    return previous + change / max(np.max(np.abs(change) / most), 1.0)
+
+
+def within_stops(rates: np.ndarray, q: np.ndarray, limits: JointLimits, dt: float) -> np.ndarray:
+    """The rates, each low enough to brake before its joint's stop at the joint's own deceleration."""
+    top = braking_speed(np.maximum(limits.upper - q, 0.0), limits.acceleration, dt)
+    bottom = braking_speed(np.maximum(q - limits.lower, 0.0), limits.acceleration, dt)
+    return np.clip(rates, -bottom, top)
+
+
+def braking_speed(room: np.ndarray, deceleration: np.ndarray, dt: float) -> np.ndarray:
+    """Largest speed at which a step of dt leaves room to stop by steps that are slower by deceleration * dt each; exact.
+
+    In units of u = deceleration * dt a speed x between m and m + 1 stops within x + (x - 1) + ... + (x - m) of u * dt.
+    """
+    room = room / (deceleration * dt**2)
+    m = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * room) - 1.0))
+    return deceleration * dt * (room / (m + 1.0) + 0.5 * m)

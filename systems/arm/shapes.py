@@ -16,7 +16,7 @@ import numpy as np
 from vipr.systems import se3
 from vipr.systems.errors import InputError
 
-PROJECTIONS = 8  # alternating projections; each yields one direction
+PROJECTIONS = 4  # alternating projections; each yields one direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,21 +92,22 @@ class Placed:
         return np.hypot(flat, self.half[:, 2]) + self.radius
 
     def support(self, n: np.ndarray) -> np.ndarray:
-        """(M, ...) how far each shape extends from its middle along the unit vectors n (M, ..., 3)."""
-        local = np.einsum("mij,m...i->m...j", self.X[:, :3, :3], n)
-        shape = (-1,) + (1,) * (local.ndim - 2)
-        flat = self.disc.reshape(shape) * np.hypot(local[..., 0], local[..., 1])
-        return np.einsum("m...i,mi->m...", np.abs(local), self.half) + flat + self.radius.reshape(shape)
+        """(M, K) how far each shape extends from its middle along the unit vectors n (M, K, 3)."""
+        local = np.abs(n @ self.X[:, :3, :3])
+        flat = self.disc[:, None] * np.sqrt(local[..., 0] ** 2 + local[..., 1] ** 2)
+        return (local @ self.half[:, :, None])[..., 0] + flat + self.radius[:, None]
 
     def nearest(self, p: np.ndarray) -> np.ndarray:
         """(M, 3) the core's point nearest to each p (M, 3)."""
         R, middle = self.X[:, :3, :3], self.X[:, :3, 3]
-        local = np.einsum("mij,mi->mj", R, p - middle)
-        inside = np.clip(local, -self.half, self.half)
-        out = np.hypot(local[:, 0], local[:, 1])
-        shrink = np.where(out > self.disc, self.disc / np.maximum(out, 1e-12), 1.0)[:, None]
-        inside[:, :2] = np.where(self.disc[:, None] > 0, local[:, :2] * shrink, inside[:, :2])
-        return np.einsum("mij,mj->mi", R, inside) + middle
+        local = ((p - middle)[:, None] @ R)[:, 0]
+        inside = np.minimum(np.maximum(local, -self.half), self.half)
+        round_ = np.flatnonzero(self.disc)
+        if len(round_):
+            flat, disc = local[round_, :2], self.disc[round_, None]
+            out = np.sqrt((flat**2).sum(axis=1, keepdims=True))
+            inside[round_, :2] = flat * np.minimum(disc / np.maximum(out, 1e-12), 1.0)
+        return (R @ inside[:, :, None])[..., 0] + middle
 
 
 def centre_distance(a: Placed, b: Placed) -> np.ndarray:
@@ -128,7 +129,7 @@ def gap(a: Placed, b: Placed) -> np.ndarray:
         directions.append(n)
     axes = np.concatenate([own, cross, np.stack(directions, axis=1)], axis=1)
     axes /= np.maximum(np.sqrt((axes**2).sum(axis=2, keepdims=True)), 1e-9)
-    along = np.einsum("mki,mi->mk", axes, between)
+    along = (axes @ between[:, :, None])[..., 0]
     free = np.abs(along) - a.support(axes) - b.support(axes)
     return free.max(axis=1, where=(axes**2).sum(axis=2) > 0.5, initial=-np.inf)
 

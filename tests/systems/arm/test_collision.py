@@ -64,14 +64,14 @@ def test_clearance_is_never_more_than_the_models_distance_and_seldom_much_less()
     for q, hand in random_configurations(300, seed=4):
         body = puma_with_hand_body(ARM, hand)
         ours, (mine, other) = body.clearance(q, at_stage)
-        first, second = body._all_pairs(len(at_stage))
+        first, second = body.pairs_with(len(at_stage))
         names = [s.name for s in (*body.shapes, *at_stage)]
         looked_at = {frozenset((names[a], names[b])) for a, b in zip(first, second, strict=True)}
         true = min(d for pair, d in model.distances(q, hand).items() if pair in looked_at)
         assert ours <= true + 1e-3, f"{mine} to {other}"
         if true > 0 and "knuckle" not in mine and other != "stage_foot":  # of those the model has only the looks
             short.append(true - ours)
-    assert len(short) > 200
+    assert len(short) > 150
     assert np.quantile(short, 0.9) < 1e-3 and max(short) < 0.015
 
 
