@@ -86,6 +86,9 @@ class WorkcellConfig:
         0.0,
         0.0,
     )  # m, m, rad: x, y, yaw of the stage, the object on its plate
+    X_EO_held: np.ndarray | None = (
+        None  # the object is fixed to the hand there, as a tool would be; None: it stands on the stage
+    )
     q_initial: np.ndarray = field(default_factory=lambda: puma560.NAMED["nominal"])  # rad
     lens: Lens = field(default_factory=lambda: load_lens(model_path("xc77/camera.yaml")))
     X_WC: np.ndarray = field(default_factory=fixed_camera)
@@ -235,9 +238,12 @@ def _add_models(plant: MultibodyPlant, config: WorkcellConfig) -> dict[str, Mode
     for axis, value in zip(("x", "y"), config.stage_initial, strict=False):
         plant.GetJointByName(f"stage_{axis}").set_default_translation(value)
     plant.GetJointByName("stage_yaw").set_default_angle(config.stage_initial[2])
-    plant.SetDefaultFloatingBaseBodyPose(
-        plant.GetBodyByName(config.object), RigidTransform(standing(config.stage_initial))
-    )
+    thing = plant.GetBodyByName(config.object)
+    if config.X_EO_held is None:
+        plant.SetDefaultFloatingBaseBodyPose(thing, RigidTransform(standing(config.stage_initial)))
+    else:
+        grasp = plant.GetFrameByName("grasp", models["barrett_hand"])
+        plant.WeldFrames(grasp, thing.body_frame(), RigidTransform(config.X_EO_held))
     plant.Finalize()
     return models
 

@@ -118,3 +118,29 @@ class AlignmentError(LeafSystem):
     def _calc_alignment_error(self, context, output):
         X_WG = self._X_WO.Eval(context) @ self._X_OG
         output.set_value(se3.difference(self._X_WE.Eval(context).GetAsMatrix4(), X_WG.GetAsMatrix4()))
+
+
+class PlacementError(LeafSystem):
+    """How far an object truly is from where it is to be placed.
+
+    .. pydrake_system::
+
+        name: PlacementError
+        input_ports:
+        - X_WO_true
+        output_ports:
+        - alignment_error
+
+    ``alignment_error`` (6) is (rotation vector [rad], translation [m]) from the object's pose X_WO to its place ``X_WO_goal``, in W.
+    """
+
+    def __init__(self, X_WO_goal: np.ndarray):
+        super().__init__()
+        self._X_WO_goal = np.asarray(X_WO_goal, float)
+        self._X_WO = self.DeclareAbstractInputPort("X_WO_true", Value(RigidTransform()))
+        self.DeclareVectorOutputPort(
+            "alignment_error", BasicVector(6), self._calc_alignment_error, {self._X_WO.ticket()}
+        )
+
+    def _calc_alignment_error(self, context, output):
+        output.set_value(se3.difference(self._X_WO.Eval(context).GetAsMatrix4(), self._X_WO_goal))

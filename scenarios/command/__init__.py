@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from vipr.scenarios.command import bench, experiment, gestures, hands, run, track
+from vipr.scenarios.command import bench, experiment, gestures, hands, run, teach, track
 from vipr.scenarios.command.output import print_error
 from vipr.systems.errors import InputError
 
@@ -22,6 +22,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 run.register(app)
+teach.register(app)
 track.register(app)
 hands.register(app)
 gestures.register(app)

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from vipr.diagrams.align import AlignRobot
+from vipr.diagrams.servo_robot import Schedule, ServoRobot
 from vipr.diagrams.workcell import Workcell, WorkcellConfig, standing
 from vipr.models import model_path
 from vipr.systems import se3
+from vipr.systems.servo.tasks import Reach
 from vipr.systems.tracking.cad_model import load_model
+from vipr.systems.truth import AlignmentError
 
 
 def workcell():
@@ -21,12 +23,13 @@ def workcell():
     return system, fix
 
 
-def align_robot():
+def servo_robot(schedule=Schedule()):
     config = WorkcellConfig(supersampling=1)
     X_CO = se3.inverse(config.X_WC) @ standing(config.stage_initial)
     X_OG = se3.pose(np.diag([1.0, -1.0, -1.0]), [0, 0, 0.3])
     model = load_model(model_path("milk_carton/model.yaml"))
-    system = AlignRobot(Workcell(config), model, X_CO, X_OG, X_WC=config.X_WC)
+    task = Reach(config.X_WC, X_OG, model.corners)
+    system = ServoRobot(Workcell(config), model, X_CO, task, AlignmentError(X_OG), schedule=schedule)
 
     def fix(context, t):
         system.GetInputPort("motor_command").FixValue(context, np.zeros(4))
@@ -35,4 +38,4 @@ def align_robot():
     return system, fix
 
 
-EXAMPLES = {Workcell: workcell, AlignRobot: align_robot}
+EXAMPLES = {Workcell: workcell, ServoRobot: servo_robot}

@@ -6,6 +6,7 @@ from vipr.systems import se3
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.encoders import JointEncoders
 from vipr.systems.arm.guard import CollisionGuard
+from vipr.systems.arm.limit_use import LimitUse
 from vipr.systems.arm.puma560 import WRIST as ARM
 from vipr.systems.arm.puma_body import puma_with_hand_body
 from vipr.systems.arm.resolved_rate import JointLimits
@@ -26,4 +27,9 @@ def encoders():
     return system, lambda context, t: system.get_input_port().FixValue(context, np.sin(np.arange(12) + t))
 
 
-EXAMPLES = {ArmCommander: commander, JointEncoders: encoders}
+def limit_use():
+    system = LimitUse(LIMITS)
+    return system, lambda context, t: system.get_input_port().FixValue(context, 0.1 * np.sin(np.arange(12) + t))
+
+
+EXAMPLES = {LimitUse: limit_use, ArmCommander: commander, JointEncoders: encoders}

@@ -7,6 +7,7 @@ from vipr.systems import se3
 from vipr.systems.arm.puma560 import WRIST as ARM
 from vipr.systems.servo.controller import VisualServo
 from vipr.systems.servo.image_based import ImageBased
+from vipr.systems.servo.pose_delay import PoseDelay
 from vipr.systems.servo.tasks import Reach
 from vipr.systems.signals import ObjectPose
 
@@ -28,4 +29,13 @@ def servo():
     return system, fix
 
 
-EXAMPLES = {VisualServo: servo}
+def pose_delay():
+    system = PoseDelay(2)
+
+    def fix(context, t):
+        system.get_input_port().FixValue(context, Value(ObjectPose(state="tracking", time=t)))
+
+    return system, fix
+
+
+EXAMPLES = {VisualServo: servo, PoseDelay: pose_delay}

@@ -6,7 +6,7 @@ from pydrake.math import RigidTransform
 
 from vipr.systems import se3
 from vipr.systems.signals import ObjectPose
-from vipr.systems.truth import AlignmentError, PoseTruth, TrackingError
+from vipr.systems.truth import AlignmentError, PlacementError, PoseTruth, TrackingError
 
 
 def moved(t):
@@ -44,4 +44,14 @@ def alignment_error():
     return system, fix
 
 
-EXAMPLES = {PoseTruth: pose_truth, TrackingError: tracking_error, AlignmentError: alignment_error}
+def placement_error():
+    system = PlacementError(moved(1).GetAsMatrix4())
+    return system, lambda context, t: system.get_input_port().FixValue(context, Value(moved(t)))
+
+
+EXAMPLES = {
+    PlacementError: placement_error,
+    PoseTruth: pose_truth,
+    TrackingError: tracking_error,
+    AlignmentError: alignment_error,
+}

@@ -1,22 +1,25 @@
-"""A hand that finds its place relative to an object by sight, and keeps it (paper III-D, Fig. 9)."""
+"""The workcell under visual servoing: a hand finds its place by sight, or brings what it holds to its place (paper III-D, III-F)."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 
 from vipr.diagrams.workcell import Workcell
 from vipr.systems.arm.commander import ArmCommander
-from vipr.systems.servo.controller import VisualServo
+from vipr.systems.arm.limit_use import LimitUse
+from vipr.systems.camera.lens import Lens
+from vipr.systems.servo.controller import VisualServo, Workspace
 from vipr.systems.servo.laws import ServoLaw
+from vipr.systems.servo.pose_delay import PoseDelay
 from vipr.systems.servo.position_based import PositionBased
 from vipr.systems.servo.target_filter import TargetMotion
-from vipr.systems.servo.tasks import Reach
+from vipr.systems.servo.tasks import Task
 from vipr.systems.tracking.annotator import PoseAnnotator
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
-from vipr.systems.truth import AlignmentError, TrackingError
+from vipr.systems.truth import TrackingError
 
 
 @dataclass(frozen=True)
@@ -26,8 +29,11 @@ class Schedule:
     camera: float = 0.04
     arm: float = 0.01
     tracker_offset: float = 0.020
+    delay_offset: float = 0.021
+    delay_frames: int = 0  # by which poses come late, beyond the offsets
     servo_offset: float = 0.022
     arm_offset: float = 0.004
+    witness_offset: float = 0.005
     judge_offset: float = 0.038
 
     def rows(self) -> dict[str, tuple[float, float]]:
@@ -37,6 +43,7 @@ class Schedule:
             "tracker": (self.camera, self.tracker_offset),
             "servo": (self.camera, self.servo_offset),
             "arm": (self.arm, self.arm_offset),
+            "limit_use": (self.arm, self.witness_offset),
             "tracking_error": (self.camera, self.judge_offset),
         }
 
@@ -44,15 +51,15 @@ class Schedule:
     def exposure_to_command(self) -> float:
         """From the exposure to the first joint set-point that knows of it [s]."""
         ticks = np.ceil((self.servo_offset - self.arm_offset) / self.arm - 1e-9)
-        return self.arm_offset + ticks * self.arm
+        return self.arm_offset + ticks * self.arm + self.delay_frames * self.camera
 
 
-class AlignRobot(Diagram):
-    """The workcell with a tracker, a position-based servo law and the arm's set-point generator closed around it.
+class ServoRobot(Diagram):
+    """The workcell with a tracker, a visual servo and the arm's set-point generator closed around it.
 
     .. pydrake_system::
 
-        name: AlignRobot
+        name: ServoRobot
         input_ports:
         - stage_desired_state
         - motor_command
@@ -61,8 +68,11 @@ class AlignRobot(Diagram):
         - object_pose
         - V_WE_W
         - servo_error
+        - servo_status
         - desired_state
         - limited_by
+        - arm_status
+        - limit_use
         - joint_state
         - X_WO_true
         - X_WE_true
@@ -81,13 +91,15 @@ class AlignRobot(Diagram):
     Schedule (ms; the camera's period is 40):
 
         camera   |0   exposure
-        tracker  |20  the frame of 0 is worked out
+        tracker  |20  the frame of 0 is worked out (then held back by ``delay_frames`` frames, at 21, if the schedule says so)
         servo    |22  the pose is filtered, predicted to now, and the twist set
         arm      |4 14 24 34  set-points for the joint servo: the first that knows of the exposure is the one at 24
         truth    |0 keeps the truth of the exposure, 38 compares
 
-    Frames: W world, C camera, O object, E hand (see ``Workcell``), G = its reference pose X_OG. ``tracking_error`` and ``alignment_error``
-    are against truth (see ``systems.truth``) and reach no controller. ``picture`` is the frame with the tracked edges drawn in.
+    Frames: W world, C camera, O object, E hand (see ``Workcell``). ``task`` says what is to be done, with the camera where the robot
+    believes it to be; ``lens`` is the lens it believes in (the real one if not given). ``judge`` compares with the truth: AlignmentError
+    or PlacementError. ``tracking_error`` and ``alignment_error`` are against truth (see ``systems.truth``) and reach no controller.
+    ``picture`` is the frame with the tracked edges drawn in.
     """
 
     def __init__(
@@ -95,86 +107,93 @@ class AlignRobot(Diagram):
         workcell: Workcell,
         model: CadModel,
         X_CO_initial: np.ndarray,
-        X_OG: np.ndarray,
+        task: Task,
+        judge: LeafSystem,
         *,
-        X_WC: np.ndarray,
+        lens: Lens | None = None,
         tracker: TrackerSettings = TrackerSettings(),
         law: ServoLaw = PositionBased(),
         motion: TargetMotion = TargetMotion(),
+        workspace: Workspace = Workspace(),
         schedule: Schedule = Schedule(),
     ):
         super().__init__()
         config = workcell.config
+        lens = config.lens if lens is None else lens
         self.schedule = schedule.rows()
         builder = DiagramBuilder()
+        add = builder.AddNamedSystem
         period = schedule.camera
-        cell = builder.AddNamedSystem("workcell", workcell)
-        tracker = builder.AddNamedSystem(
+        cell = add("workcell", workcell)
+        tracker = add(
             "tracker",
             ModelTracker(
-                model,
-                config.lens,
-                X_CO_initial=X_CO_initial,
-                settings=tracker,
-                period=period,
-                offset=schedule.tracker_offset,
+                model, lens, X_CO_initial=X_CO_initial, settings=tracker, period=period, offset=schedule.tracker_offset
             ),
         )
-        servo = builder.AddNamedSystem(
+        servo = add(
             "servo",
             VisualServo(
                 workcell.arm,
-                Reach(X_WC, X_OG, model.corners),
+                task,
                 law=law,
                 motion=motion,
+                workspace=workspace,
+                patience=0.08 + schedule.delay_frames * period,
                 period=period,
                 offset=schedule.servo_offset,
             ),
         )
-        arm = builder.AddNamedSystem(
+        limits = workcell.joint_limits
+        arm = add(
             "arm",
             ArmCommander(
                 workcell.arm,
-                workcell.joint_limits,
+                limits,
                 config.q_initial,
                 guard=workcell.guard,
                 period=schedule.arm,
                 offset=schedule.arm_offset,
             ),
         )
-        annotator = builder.AddNamedSystem("annotator", PoseAnnotator(model, config.lens))
-        tracking_error = builder.AddNamedSystem(
-            "tracking_error", TrackingError(period=period, judge_offset=schedule.judge_offset)
-        )
-        alignment_error = builder.AddNamedSystem("alignment_error", AlignmentError(X_OG))
+        witness = add("limit_use", LimitUse(limits, period=schedule.arm, offset=schedule.witness_offset))
+        annotator = add("annotator", PoseAnnotator(model, lens))
+        tracking_error = add("tracking_error", TrackingError(period=period, judge_offset=schedule.judge_offset))
+        add("alignment_error", judge)
+        seen = tracker.GetOutputPort("object_pose")
+        if schedule.delay_frames:
+            delay = add("delay", PoseDelay(schedule.delay_frames, period=period, offset=schedule.delay_offset))
+            builder.Connect(seen, delay.GetInputPort("object_pose"))
+            seen = delay.GetOutputPort("delayed_pose")
+        builder.Connect(seen, servo.GetInputPort("object_pose"))
 
         wires = [
             (cell, "frame", tracker, "frame"),
-            (tracker, "object_pose", servo, "object_pose"),
             (cell, "joint_state", servo, "joint_state"),
             (cell, "frame", annotator, "frame"),
             (tracker, "object_pose", annotator, "object_pose"),
             (servo, "V_WE_W", arm, "V_WE_W"),
             (arm, "desired_state", cell, "arm_desired_state"),
+            (arm, "desired_state", witness, "desired_state"),
             (cell, "X_CO_true", tracking_error, "X_CO_true"),
             (tracker, "object_pose", tracking_error, "object_pose"),
-            (cell, "X_WO_true", alignment_error, "X_WO_true"),
-            (cell, "X_WE_true", alignment_error, "X_WE_true"),
         ]
+        wires += [(cell, name, judge, name) for name in ("X_WO_true", "X_WE_true") if judge.HasInputPort(name)]
         for writer, output, reader, input_ in wires:
             builder.Connect(writer.GetOutputPort(output), reader.GetInputPort(input_))
         for name in ("stage_desired_state", "motor_command"):
             builder.ExportInput(cell.GetInputPort(name), name)
-        for system, names in (
-            (annotator, ("picture",)),
-            (tracker, ("object_pose",)),
-            (servo, ("V_WE_W", "servo_error")),
-            (arm, ("desired_state", "limited_by")),
-            (cell, ("joint_state", "X_WO_true", "X_WE_true", "X_CO_true")),
-            (tracking_error, ("tracking_error",)),
-            (alignment_error, ("alignment_error",)),
+        for system, ports in (
+            (annotator, {"picture": "picture"}),
+            (tracker, {"object_pose": "object_pose"}),
+            (servo, {"V_WE_W": "V_WE_W", "servo_error": "servo_error", "status": "servo_status"}),
+            (arm, {"desired_state": "desired_state", "limited_by": "limited_by", "status": "arm_status"}),
+            (witness, {"limit_use": "limit_use"}),
+            (cell, {name: name for name in ("joint_state", "X_WO_true", "X_WE_true", "X_CO_true")}),
+            (tracking_error, {"tracking_error": "tracking_error"}),
+            (judge, {"alignment_error": "alignment_error"}),
         ):
-            for name in names:
-                builder.ExportOutput(system.GetOutputPort(name), name)
+            for port, name in ports.items():
+                builder.ExportOutput(system.GetOutputPort(port), name)
         builder.BuildInto(self)
-        self.set_name("align")
+        self.set_name("servo_robot")

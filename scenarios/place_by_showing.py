@@ -1,0 +1,167 @@
+"""``place_by_showing``: a held object is brought to where it was shown, by its corners in the image (paper III-F, Fig. 11)."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource
+
+from vipr.diagrams.workcell import STAGE, Workcell, WorkcellConfig, fixed_camera
+from vipr.scenarios.motions import out_and_back
+from vipr.scenarios.servoing import (
+    ServoingSettings,
+    ServoScenario,
+    above,
+    disturbed,
+    joints_for,
+    stage_and_fingers,
+)
+from vipr.scenarios.shown_place import ShownPlace, load_shown_place
+from vipr.systems import se3
+from vipr.systems.arm import puma560
+from vipr.systems.errors import InputError
+from vipr.systems.tracking.tracker import ModelTracker
+from vipr.systems.truth import PlacementError
+
+SHOWING = 1.2  # s that the object is held still at the shown place
+LOOKS = 10  # frames at its end whose corners are averaged
+BORDER = 20  # px that the corners keep from the image's border
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceSettings(ServoingSettings):
+    """What can be set with ``--set`` or in ``place_by_showing.yaml``."""
+
+    duration_s: float = 8.0
+    place: int = 1  # number of the shown place
+    shown: str = ""  # file of ``vipr teach``; empty: the place is shown before the run
+    grip_m: float = 0.05  # the hand's grasp centre is so far below the object's top
+    start_offset_m: float = 0.10
+    start_turn_deg: float = 45.0  # turn about the camera's y axis at the start
+
+    def __post_init__(self):
+        super().__post_init__()
+        self.require_within(duration_s=(1, 600), place=(0, 10**6), grip_m=(0, 0.1), start_turn_deg=(0, 120))
+
+
+class PlaceByShowing(ServoScenario):
+    """The number of the place chooses where the object was shown, the seed from where it is brought there.
+
+    The object is fixed to the hand by a mount, as a tool would be. It starts turned about the camera's y axis and shifted; the fixed
+    camera sees it all the way. The robot knows the shown place by the image positions of the object's corners alone.
+    """
+
+    name = "place_by_showing"
+    summary = "bring a held object to where it was shown, by its corners in the image (paper III-F)"
+    settings_type = PlaceSettings
+    done = "the object is where it was shown"
+
+    _fingers = (1.3, 1.3, 1.3, 0.0)  # closed until they touch
+
+    def _plan(self, rng):
+        s = self.settings
+        X_WC = fixed_camera()
+        taught = load_shown_place(Path(s.shown)) if s.shown else None
+        if taught is not None and taught.object != s.object:
+            raise InputError(
+                f"{self.name}: {s.shown} shows the object {taught.object!r}, the setting object is {s.object!r}"
+            )
+        self._taught = taught
+        self._X_EO = se3.inverse(above(self._cad.corners, -s.grip_m))
+        self._X_WO_shown, self._q_shown = self._shown(taught.place if taught else s.place, X_WC)
+        self._motion = out_and_back(np.zeros(3), np.zeros(3), begin=1.0, cruise=0.0)
+        self._config = WorkcellConfig(
+            object=s.object,
+            X_EO_held=self._X_EO,
+            q_initial=self._q_shown,
+            X_WC=X_WC,
+            imperfection=s.camera,
+            supersampling=s.supersampling,
+            seed=self.seed,
+        )
+        X_WO, q = self._start(rng)
+        self._config = replace(self._config, q_initial=q)
+        self._X_CO_start = se3.inverse(X_WC) @ X_WO
+
+    def _shown(self, place: int, X_WC: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """X_WO and joint angles (6,) of the shown place: above the stage, upright."""
+        rng = np.random.default_rng([place, 1])
+        for _ in range(100):
+            aside = np.array([*rng.uniform(-0.06, 0.06, 2), rng.uniform(0.06, 0.14)])
+            X_WO = se3.pose(se3.exp_so3(np.array([0, 0, rng.uniform(-0.5, 0.5)])), STAGE + aside)
+            try:
+                return X_WO, joints_for(X_WO @ se3.inverse(self._X_EO), puma560.NAMED["nominal"])
+            except InputError:
+                continue
+        raise InputError(f"{self.name}: no place within reach of the arm for the object {self.settings.object!r}")
+
+    def _start(self, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """X_WO and joint angles (6,) at the start, within the arm's reach and the camera's view."""
+        s, X_WC, lens = self.settings, self._config.X_WC, self._config.lens
+        for _ in range(200):
+            aside = rng.uniform(-s.start_offset_m, s.start_offset_m, 3) * [1.0, 1.0, 0.5] + [
+                0,
+                0,
+                0.25 * s.start_offset_m,
+            ]
+            turn = np.deg2rad(s.start_turn_deg) * rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0)
+            R = se3.exp_so3(turn * X_WC[:3, 1]) @ self._X_WO_shown[:3, :3]
+            X_WO = se3.pose(R, self._X_WO_shown[:3, 3] + aside)
+            X_CO = se3.inverse(X_WC) @ X_WO
+            pixels = lens.project(self._cad.corners @ X_CO[:3, :3].T + X_CO[:3, 3])
+            if pixels.min() < BORDER or (pixels.max(axis=0) > [lens.width - BORDER, lens.height - BORDER]).any():
+                continue
+            try:
+                return X_WO, joints_for(X_WO @ se3.inverse(self._X_EO), self._q_shown)
+            except InputError:
+                continue
+        raise InputError(
+            f"{self.name}: no start within reach of the arm and view of the camera for start_offset_m {s.start_offset_m}, "
+            f"start_turn_deg {s.start_turn_deg}; take smaller ones"
+        )
+
+    def show(self) -> ShownPlace:
+        """Hold the object at the place, look at it for a moment, and keep the image positions of its corners."""
+        s, config = self.settings, replace(self._config, q_initial=self._q_shown)
+        rng = np.random.default_rng([s.place, 2])
+        X_CO = se3.inverse(config.X_WC) @ self._X_WO_shown
+        builder = DiagramBuilder()
+        cell = builder.AddSystem(Workcell(config))
+        start = disturbed(X_CO, s.initial_error_mm, s.initial_error_deg, rng)
+        tracker = builder.AddSystem(
+            ModelTracker(
+                self._cad, config.lens, X_CO_initial=start, settings=s.tracker, offset=self._schedule.tracker_offset
+            )
+        )
+        builder.Connect(cell.GetOutputPort("frame"), tracker.GetInputPort("frame"))
+        still = ConstantVectorSource(np.concatenate([self._q_shown, np.zeros(6)]))
+        for name, source in {**stage_and_fingers(self._motion, self._fingers), "arm_desired_state": still}.items():
+            builder.Connect(builder.AddSystem(source).get_output_port(), cell.GetInputPort(name))
+        simulator = Simulator(builder.Build())
+        pose, pixels = tracker.GetOutputPort("object_pose"), []
+        for k in range(LOOKS):
+            simulator.AdvanceTo(SHOWING - (LOOKS - 1 - k) * self._schedule.camera)
+            seen = pose.Eval(tracker.GetMyContextFromRoot(simulator.get_context()))
+            if seen.state != "tracking":
+                raise InputError(
+                    f"{self.name}: the object is not seen at the shown place (the tracker says {seen.state})"
+                )
+            pixels.append(config.lens.project(self._cad.corners @ seen.X_CO[:3, :3].T + seen.X_CO[:3, 3]))
+        size = (config.lens.width, config.lens.height)
+        return ShownPlace(s.object, s.place, size, self._cad.corners, np.mean(pixels, axis=0))
+
+    def _task(self):
+        shown = self._taught or self.show()
+        return shown.task(self._config.lens, self._config.X_WC)
+
+    def _judge(self):
+        return PlacementError(self._X_WO_shown)
+
+    @property
+    def duration(self) -> float:
+        return self.settings.duration_s
+
+    def _windows(self, t):
+        return {"final": t > self.duration - 0.5}

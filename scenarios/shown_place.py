@@ -1,0 +1,78 @@
+"""A place that was shown: where the corners of an object were in the image, as kept in a YAML file (paper III-F)."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from vipr.systems.camera.lens import Lens
+from vipr.systems.errors import InputError
+from vipr.systems.pose.estimate import estimate_pose
+from vipr.systems.servo.tasks import Place
+
+LARGEST_RESIDUAL = 5.0  # px: corners further from any view of the object than this are not those of this object
+
+
+@dataclass(frozen=True, eq=False)
+class ShownPlace:
+    """Corners of an object in O and in the image of one camera."""
+
+    object: str
+    place: int  # number of the place in ``place_by_showing``
+    size: tuple[int, int]  # px, of the image
+    points_O: np.ndarray  # (n, 3) m
+    pixels: np.ndarray  # (n, 2)
+
+    def task(self, lens: Lens, X_WC: np.ndarray) -> Place:
+        """To bring the object there, by a robot that believes in this lens and this place of the camera."""
+        if self.size != (lens.width, lens.height):
+            raise InputError(
+                f"shown place: its image is {self.size[0]} x {self.size[1]} px, the camera's {lens.width} x {lens.height} px"
+            )
+        estimate = estimate_pose(self.points_O, self.pixels, lens, robust=False)
+        if not estimate.valid:
+            raise InputError(f"shown place: its corners give no pose: {estimate.reason}")
+        if not estimate.residual_px <= LARGEST_RESIDUAL:
+            raise InputError(
+                f"shown place: its corners are {estimate.residual_px:.1f} px from any view of the object, allowed are "
+                f"{LARGEST_RESIDUAL:g} px"
+            )
+        shown = (self.pixels - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
+        return Place(X_WC, estimate.X_CO, self.points_O, shown)
+
+
+def save_shown_place(place: ShownPlace, path: Path) -> None:
+    """Write the YAML file."""
+    corners = [
+        {"point_m": [round(float(v), 6) for v in p], "pixel": [round(float(v), 3) for v in u]}
+        for p, u in zip(place.points_O, place.pixels, strict=True)
+    ]
+    values = {"object": place.object, "place": place.place, "image_size": list(place.size), "corners": corners}
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(yaml.safe_dump(values, sort_keys=False, default_flow_style=None))
+    except OSError as error:
+        raise InputError(f"shown place {path}: cannot be written ({error.strerror})") from None
+
+
+def load_shown_place(path: Path) -> ShownPlace:
+    """Read the YAML file; InputError with what is wrong in it."""
+    try:
+        values = yaml.safe_load(path.read_text())
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise InputError(f"shown place {path}: cannot be read ({reason})") from None
+    try:
+        points = np.array([corner["point_m"] for corner in values["corners"]], float).reshape(-1, 3)
+        pixels = np.array([corner["pixel"] for corner in values["corners"]], float).reshape(-1, 2)
+        width, height = (int(v) for v in values["image_size"])
+        place = ShownPlace(str(values["object"]), int(values["place"]), (width, height), points, pixels)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"shown place {path}: needs object, place, image_size (2) and corners, each with point_m (3) and pixel (2); "
+            f"{type(error).__name__}: {error}"
+        ) from None
+    if len(points) < 4 or len(points) != len(pixels) or not np.isfinite([*points.ravel(), *pixels.ravel()]).all():
+        raise InputError(f"shown place {path}: 4 or more corners of finite numbers are needed, got {len(points)}")
+    return place
