@@ -53,7 +53,7 @@ def test_same_seed_same_bytes_and_another_seed_others(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "allign"], "unknown scenario 'allign'; there are: align. Did you mean align?"),
+        (["run", "allign"], "Did you mean align?"),
         (["run", "align", "--set", "servo.gian=2"], "unknown setting servo.gian"),
         (["run", "align", "--set", "object=elephant"], "unknown object 'elephant'; there are: "),
         (["run", "align", "--seed", "-1"], "--seed: must be 0 or larger, got -1"),
