@@ -157,7 +157,7 @@ class Workcell(Diagram):
         add_renderer(scene_graph, RENDERER, daylight())
 
         encoders = builder.AddNamedSystem("encoders", JointEncoders(ARM_COUNT))
-        self._nominal = _nominal_arm()  # InverseDynamics keeps only a pointer to it
+        self._nominal = nominal_arm()  # InverseDynamics keeps only a pointer to it
         gravity = builder.AddNamedSystem(
             "gravity_compensation",
             InverseDynamics(self._nominal, InverseDynamics.InverseDynamicsMode.kGravityCompensation),
@@ -248,7 +248,7 @@ def _add_models(plant: MultibodyPlant, config: WorkcellConfig) -> dict[str, Mode
     return models
 
 
-def _nominal_arm() -> MultibodyPlant:
+def nominal_arm() -> MultibodyPlant:
     """What the controller believes the arm weighs: the Puma with the hand as a ball of known mass."""
     plant = MultibodyPlant(0.0)
     _parser(plant).AddModels(url="package://vipr/puma560/puma560.sdf")

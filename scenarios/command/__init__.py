@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from vipr.scenarios.command import bench, experiment, gestures, hands, run, teach, track
+from vipr.scenarios.command import analyse, bench, experiment, gestures, hands, run, teach, track
 from vipr.scenarios.command.output import print_error
 from vipr.systems.errors import InputError
 
@@ -28,6 +28,7 @@ hands.register(app)
 gestures.register(app)
 experiment.register(app)
 bench.register(app)
+analyse.register(app)
 
 
 def _print_version(wanted: bool) -> None:
