@@ -7,7 +7,7 @@ from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Adder, Linearize, MatrixGain
 
-from vipr.diagrams.align import Schedule
+from vipr.diagrams.servo_robot import Schedule
 from vipr.diagrams.workcell import DAMPING, STIFFNESS, nominal_arm
 from vipr.systems.arm import puma560
 from vipr.systems.servo.analysis import ArmResponse, SampledLoop
@@ -49,13 +49,13 @@ def workcell_loop(
     use: Literal["delayed", "predicted"] = "predicted",
     schedule: Schedule = Schedule(),
 ) -> SampledLoop:
-    """The loop of ``AlignRobot`` about the joint angles q (6,) [rad] (default: the arm's nominal pose).
+    """The loop of ``ServoRobot`` about the joint angles q (6,) [rad] (default: the arm's nominal pose).
 
     latency: from an exposure to the servo's tick [s]; default: the schedule's.
     """
     return SampledLoop(
         arm_response(puma560.NAMED["nominal"] if q is None else q),
-        latency=schedule.servo_offset if latency is None else latency,
+        latency=schedule.servo_offset + schedule.delay_frames * schedule.camera if latency is None else latency,
         use=use,
         camera=schedule.camera,
         arm=schedule.arm,

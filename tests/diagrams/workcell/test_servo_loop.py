@@ -6,8 +6,8 @@ from pydrake.common.value import Value
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from vipr.diagrams.align import Schedule
 from vipr.diagrams.servo_loop import arm_response, workcell_loop
+from vipr.diagrams.servo_robot import Schedule
 from vipr.diagrams.workcell import Workcell, WorkcellConfig, standing
 from vipr.systems import se3
 from vipr.systems.arm import puma560
