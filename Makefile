@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: setup demo test test-wheel lint format wheel clean
+.PHONY: setup demo test test-wheel lint format wheel clean clean-compiled
 
 setup: $(STAMP)
 
@@ -40,3 +40,7 @@ test-wheel: wheel
 
 clean:
 	rm -rf $(VENV) build dist out *.egg-info
+
+# What numba keeps of compiled functions (systems/compiled.py).
+clean-compiled:
+	find systems scenarios -name '*.nb[ic]' -delete

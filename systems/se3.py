@@ -27,27 +27,37 @@ def inverse(X_AB: np.ndarray) -> np.ndarray:
 
 def exp_so3(w: np.ndarray) -> np.ndarray:
     """Rotation by the rotation vector w [rad] (Rodrigues)."""
-    a2 = float(w @ w)
-    W = skew(w)
-    if a2 < 1e-12:
-        return np.eye(3) + W + 0.5 * W @ W
+    x, y, z = float(w[0]), float(w[1]), float(w[2])
+    a2 = x * x + y * y + z * z
     a = np.sqrt(a2)
-    return np.eye(3) + (np.sin(a) / a) * W + ((1.0 - np.cos(a)) / a2) * W @ W
+    s, c = (np.sin(a) / a, (1.0 - np.cos(a)) / a2) if a2 > 1e-12 else (1.0, 0.5)
+    xx, yy, zz = c * x * x, c * y * y, c * z * z
+    xy, xz, yz = c * x * y, c * x * z, c * y * z
+    sx, sy, sz = s * x, s * y, s * z
+    return np.array(
+        [
+            [1.0 - yy - zz, xy - sz, xz + sy],
+            [xy + sz, 1.0 - xx - zz, yz - sx],
+            [xz - sy, yz + sx, 1.0 - xx - yy],
+        ]
+    )
 
 
 def log_so3(R: np.ndarray) -> np.ndarray:
     """Rotation vector [rad], |w| <= pi, of a rotation matrix."""
-    axis_sin = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sin, cos = np.linalg.norm(axis_sin), 0.5 * (np.trace(R) - 1.0)
+    x, y, z = 0.5 * (R[2, 1] - R[1, 2]), 0.5 * (R[0, 2] - R[2, 0]), 0.5 * (R[1, 0] - R[0, 1])
+    sin, cos = np.sqrt(x * x + y * y + z * z), 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0)
     angle = np.arctan2(sin, cos)
     if sin > 1e-6:
-        return axis_sin * (angle / sin)
+        k = angle / sin
+        return np.array([k * x, k * y, k * z])
     if cos > 0:
-        return axis_sin
-    # Near pi: the axis is the eigenvector of (R + R^T)/2 with the largest eigenvalue.
-    values, vectors = np.linalg.eigh(0.5 * (R + R.T))
-    axis = vectors[:, np.argmax(values)]
-    return angle * axis * (1.0 if axis @ axis_sin >= 0 else -1.0)
+        return np.array([x, y, z])
+    # Near pi: (R + R')/2 = cos I + (1 - cos) u u'; what is left without cos I has columns along the axis u.
+    S = 0.5 * (R + R.T) - cos * np.eye(3)
+    longest = np.argmax(np.array([S[0, 0], S[1, 1], S[2, 2]]))
+    u = S[:, longest] / np.sqrt(S[0, longest] ** 2 + S[1, longest] ** 2 + S[2, longest] ** 2)
+    return angle * u if u[0] * x + u[1] * y + u[2] * z >= 0.0 else -angle * u
 
 
 def _left_jacobian(w: np.ndarray) -> np.ndarray:

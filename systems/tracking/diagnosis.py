@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vipr.systems.tracking.keyframes import Keyframe
 from vipr.systems.tracking.normal_flow import Matches
 from vipr.systems.tracking.pose_fit import Fit
-from vipr.systems.tracking.texture import Keyframe, TextureFit
+from vipr.systems.tracking.texture import TextureFit
 
 NEAR = 1.5  # px: an edge within this supports its node
 TRACKING, LOST = 0.5, 0.15  # score above which the pose can be used, below which it means nothing

@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 
 from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking.displacements import move, normal_jacobian
 from vipr.systems.tracking.normal_flow import Patch
-from vipr.systems.tracking.pose_fit import move, normal_jacobian
 from vipr.systems.tracking.visible_edges import Nodes
 
 

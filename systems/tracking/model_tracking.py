@@ -14,10 +14,11 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
+from vipr.systems.tracking.displacements import corner_shift, difference, move, point_jacobian
+from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle
-from vipr.systems.tracking.pose_fit import corner_shift, difference, move, point_jacobian
 from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt, look_around
-from vipr.systems.tracking.texture import Keyframe, choose_keyframe, correlation_at, learn_keyframe
+from vipr.systems.tracking.texture import correlation_at
 
 LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vipr.systems.tracking.pose_fit import difference, move
+from vipr.systems.tracking.displacements import difference, move
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,22 +8,15 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.tracking.affine import fit_affine, move_points
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import Evidence, weigh
+from vipr.systems.tracking.displacements import corner_information, corner_shift, difference, move, normal_jacobian
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
+from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, pyramid, view_difference
 from vipr.systems.tracking.motion_filter import Motion
 from vipr.systems.tracking.normal_flow import cut_patch, find_edges
-from vipr.systems.tracking.pose_fit import (
-    Prior,
-    corner_information,
-    corner_shift,
-    difference,
-    fit_points,
-    fit_pose,
-    move,
-    normal_jacobian,
-    solve,
-)
+from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose
+from vipr.systems.tracking.small_algebra import solve
 from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
-from vipr.systems.tracking.texture import Keyframe, TextureFit, align, choose_keyframe, pyramid, view_difference
+from vipr.systems.tracking.texture import TextureFit, align
 from vipr.systems.tracking.visible_edges import visible_nodes
 
 CLEAR = 12.0  # grey levels; much stronger edges are all alike

@@ -14,7 +14,7 @@ import numpy as np
 
 from vipr.systems.camera.lens import Lens
 from vipr.systems.tracking.cad_model import CadModel
-from vipr.systems.tracking.pose_fit import corner_shift, move, point_jacobian
+from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
 from vipr.systems.tracking.visible_edges import visible_nodes
 
 ORIENTATIONS = 12  # channels of the edge map, 15 degrees each

@@ -10,8 +10,8 @@ from vipr.scenarios.bench.tracking.workbench import OBJECTS, UPRIGHT, Run, Workb
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems import se3
+from vipr.systems.tracking.displacements import normal_jacobian
 from vipr.systems.tracking.normal_flow import cut_patch, find_edges
-from vipr.systems.tracking.pose_fit import normal_jacobian
 from vipr.systems.tracking.visible_edges import visible_nodes
 
 SETTLE = 5  # frames left out at the start

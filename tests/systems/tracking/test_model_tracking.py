@@ -10,8 +10,8 @@ from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import Shape, build_model
+from vipr.systems.tracking.displacements import corner_shift
 from vipr.systems.tracking.model_tracking import Belief, TrackerSettings, start, step
-from vipr.systems.tracking.pose_fit import corner_shift
 from vipr.systems.tracking.triangulation import box_triangles
 
 BLANK = np.full((LENS.height, LENS.width), 90, np.uint8)

@@ -6,20 +6,13 @@ from drawn_objects import LENS, box, picture, pose_at
 
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking.displacements import corner_shift, difference, move, normal_jacobian, point_jacobian
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
+from vipr.systems.tracking.keyframes import choose_keyframe, learn_keyframe, pyramid
 from vipr.systems.tracking.motion_filter import at_rest, correct, predict, settle
 from vipr.systems.tracking.normal_flow import Matches, cut_patch
-from vipr.systems.tracking.pose_fit import (
-    Prior,
-    corner_shift,
-    difference,
-    fit_points,
-    fit_pose,
-    move,
-    normal_jacobian,
-    point_jacobian,
-)
-from vipr.systems.tracking.texture import align, choose_keyframe, learn_keyframe, pyramid
+from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose
+from vipr.systems.tracking.texture import align
 from vipr.systems.tracking.visible_edges import visible_nodes
 
 X = pose_at(0.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from drawn_objects import LENS, box, picture, pose_at
 
-from vipr.systems.tracking.pose_fit import corner_shift, move
+from vipr.systems.tracking.displacements import corner_shift, move
 from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
 
 
