@@ -10,6 +10,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
+from vipr.systems.compiled import compiled
 from vipr.systems.tracking.visible_edges import Nodes
 
 SHARP = 0.7  # px, width of the derivative in the last pass: neighbouring print hardly moves its peaks
@@ -47,45 +48,66 @@ def cut_patch(image: np.ndarray, low: np.ndarray, high: np.ndarray, colour: bool
     if x1 - x0 < 2 or y1 - y0 < 2:
         return Patch(np.zeros((2, 2), np.float32), np.array([1e6, 1e6]))
     part = image[y0:y1, x0:x1]
-    grey = cv2.cvtColor(part, cv2.COLOR_BGR2GRAY) if part.ndim == 3 else part
-    grey = grey.astype(np.float32)
+    grey = cv2.cvtColor(part, cv2.COLOR_BGR2GRAY) if part.ndim == 3 else np.ascontiguousarray(part)
     shades = part.astype(np.float32) if colour and part.ndim == 3 else None
-    return Patch(grey, np.array([x0, y0], float), _noise(grey), shades)
+    return Patch(grey.astype(np.float32), np.array([x0, y0], float), _noise(grey), shades)
 
 
+@compiled
 def _noise(grey):
-    """Robust RMS pixel noise from second differences of rows that lie apart (median absolute value of a [1 -2 1] response)."""
-    rows = grey[:: max(1, len(grey) // 24)]
-    if rows.shape[1] < 8:
-        return 0.0
-    second = np.abs(rows[:, :-2] - 2.0 * rows[:, 1:-1] + rows[:, 2:])
-    return float(np.median(second)) / 0.6745 / 6.0**0.5
+    """Robust RMS pixel noise of a grey image (h, w) uint8: median absolute value of a [1 -2 1] response in rows that lie apart."""
+    height, width = grey.shape
+    counts, total = np.zeros(511, np.int64), 0
+    for y in range(0, height, max(1, height // 24)):
+        for x in range(1, width - 1):
+            counts[abs(int(grey[y, x - 1]) - 2 * int(grey[y, x]) + int(grey[y, x + 1]))] += 1
+            total += 1
+    below = 0
+    for value in range(511):
+        if 2 * (below + counts[value]) >= total:  # as if the equal ones were spread over half a level either way
+            share = (0.5 * total - below) / max(counts[value], 1)
+            return max(value - 0.5 + share, 0.0) / 0.6745 / 6.0**0.5
+        below += counts[value]
+    return 0.0
 
 
 def sample_profiles(
     patch: Patch, pixel: np.ndarray, normal: np.ndarray, reach: float, step: float = 1.0, across: int = 3
 ) -> np.ndarray:
-    """Grey levels (N, L), or colours (N, L, 3), along the normals from -reach to reach [px].
+    """Grey levels (N, 1, L), or colours (N, 3, L), along the normals from -reach to reach [px].
 
     Each is the mean of `across` parallel lines 1 px apart.
     """
-    s = np.arange(-np.ceil(reach / step), np.ceil(reach / step) + 1) * step
-    if not len(pixel):
-        return np.zeros((0, len(s)), np.float32)
-    base = (pixel - patch.origin).astype(np.float32)
-    n = normal.astype(np.float32)
-    s32 = s.astype(np.float32)
-    x, y = base[:, :1] + n[:, :1] * s32, base[:, 1:] + n[:, 1:] * s32
-    if across > 1:
-        side = (np.arange(across, dtype=np.float32) - np.float32(0.5 * (across - 1)))[:, None, None]
-        x, y = x - side * n[:, 1:], y + side * n[:, :1]
-    source = patch.grey if patch.colour is None else patch.colour
+    half = int(np.ceil(reach / step))
+    s = np.arange(-half, half + 1, dtype=np.float32) * np.float32(step)
+    base, n = (pixel - patch.origin).astype(np.float32), normal.astype(np.float32)
+    side = (np.arange(across, dtype=np.float32) - np.float32(0.5 * (across - 1)))[:, None]
+    x, y = base[:, 0] - side * n[:, 1], base[:, 1] + side * n[:, 0]
+    lines = (across * len(pixel), len(s))
+    x, y = x[..., None] + n[:, :1] * s, y[..., None] + n[:, 1:] * s
     values = cv2.remap(
-        source, x.reshape(-1, len(s)), y.reshape(-1, len(s)), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        patch.grey if patch.colour is None else patch.colour,
+        x.reshape(lines),
+        y.reshape(lines),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
     )
-    if across == 1:
-        return values
-    return values.reshape(across, -1, *values.shape[1:]).sum(0) * np.float32(1.0 / across)
+    return _mean_of_lines(values.reshape(across, len(pixel), len(s), -1))
+
+
+@compiled
+def _mean_of_lines(values):
+    """(N, C, L) from (lines, N, L, C)."""
+    A, N, L, C = values.shape
+    mean = np.empty((N, C, L), np.float32)
+    for n in range(N):
+        for c in range(C):
+            for k in range(L):
+                total = values[0, n, k, c]
+                for a in range(1, A):
+                    total += values[a, n, k, c]
+                mean[n, c, k] = total / np.float32(A)
+    return mean
 
 
 @lru_cache(maxsize=32)
@@ -94,7 +116,7 @@ def _derivative_kernel(sigma: float, step: float) -> np.ndarray:
     half = max(1, int(np.ceil(2.5 * sigma / step)))
     x = np.arange(-half, half + 1) * step
     k = x * np.exp(-0.5 * (x / sigma) ** 2)
-    return (k / k[k > 0].sum()).astype(np.float32)[None]
+    return (k / k[k > 0].sum()).astype(np.float32)
 
 
 def find_edges(
@@ -118,7 +140,7 @@ def find_edges(
     step = 0.5 if sharp_reach > 0 else 1.0
     normal = quantised(nodes.normal) if quantise else nodes.normal
     kernel = _derivative_kernel(sigma, step)
-    margin = kernel.shape[1] // 2 + 1  # one sample more at each end, for the parabola
+    margin = len(kernel) // 2 + 1  # one sample more at each end, for the parabola
     K = hypotheses
     if not len(nodes):
         columns = K * (1 + (sharp_reach > 0))
@@ -135,26 +157,39 @@ def find_edges(
     return Matches(offset, strength, reach, K)
 
 
-def _peaks(raw, kernel, margin, step, contrast, count, whole):
-    """Places (N, count) [px] and signed strengths of the strongest gradients of profiles, leaving out margin samples at each end."""
-    response = cv2.filter2D(raw, cv2.CV_32F, kernel, borderType=cv2.BORDER_REPLICATE)
-    response = response[:, margin - 1 : raw.shape[1] - margin + 1]
-    magnitude = np.abs(response)
-    if response.ndim == 3:  # the strongest channel
-        channel = magnitude.argmax(2)[..., None]
-        response = np.take_along_axis(response, channel, 2)[..., 0]
-        magnitude = np.take_along_axis(magnitude, channel, 2)[..., 0]
-    centre = magnitude[:, 1:-1]
-    peak = (centre >= magnitude[:, :-2]) & (centre > magnitude[:, 2:]) & (centre > contrast)
-    score = centre * peak
-    length = score.shape[1]
-    best = np.argpartition(score, length - count, axis=1)[:, length - count :]
-    rows = np.arange(len(raw))[:, None]
-    left, mid, right = magnitude[rows, best], magnitude[rows, best + 1], magnitude[rows, best + 2]
-    curvature = np.minimum(left - 2.0 * mid + right, -1e-6)
-    shift = 0.0 if whole else np.clip(0.5 * (left - right) / curvature, -1.0, 1.0)
-    offset = (best + shift - 0.5 * (length - 1)) * step
-    return offset.astype(float), (response[rows, best + 1] * peak[rows, best]).astype(float)
+@compiled
+def _peaks(profiles, kernel, margin, step, contrast, count, whole):
+    """Places (N, count) [px] and signed strengths of the strongest gradients of profiles (N, C, L), margin samples left out at each end."""
+    N, C, L = profiles.shape
+    half, length = len(kernel) // 2, L - 2 * margin + 2
+    offset, strength = np.zeros((N, count)), np.zeros((N, count))
+    one, response, magnitude = np.empty(length, np.float32), np.empty(length, np.float32), np.empty(length, np.float32)
+    for n in range(N):
+        for c in range(C):
+            line = profiles[n, c]
+            one[:] = 0.0
+            for t in range(1, half + 1):
+                k = kernel[half + t]
+                for j in range(length):
+                    one[j] += k * (line[margin - 1 + j + t] - line[margin - 1 + j - t])
+            for j in range(length):
+                if c == 0 or abs(one[j]) > magnitude[j]:  # the strongest channel
+                    response[j], magnitude[j] = one[j], abs(one[j])
+        for j in range(1, length - 1):
+            left, mid, right = magnitude[j - 1], magnitude[j], magnitude[j + 1]
+            if not (mid >= left and mid > right and mid > contrast):
+                continue
+            k = count - 1  # strongest first
+            if mid <= abs(strength[n, k]):
+                continue
+            while k > 0 and mid > abs(strength[n, k - 1]):
+                strength[n, k], offset[n, k] = strength[n, k - 1], offset[n, k - 1]
+                k -= 1
+            shift = 0.0
+            if not whole:
+                shift = min(max(0.5 * (left - right) / min(left - 2.0 * mid + right, -1e-6), -1.0), 1.0)
+            strength[n, k], offset[n, k] = response[j], (j + shift - 0.5 * (length - 1)) * step
+    return offset, strength
 
 
 def quantised(normal: np.ndarray) -> np.ndarray:
