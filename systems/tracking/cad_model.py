@@ -93,23 +93,9 @@ class CadModel:
         return planes, (planes * np.tile(a, (4, 1))).sum(1)
 
     @cached_property
-    def edge_lengths(self) -> np.ndarray:
-        """(E,) [m]."""
-        return np.linalg.norm(self.vertices[self.edges[:, 1]] - self.vertices[self.edges[:, 0]], axis=1)
-
-    @cached_property
-    def bin_start(self) -> np.ndarray:
-        """(E + 2 C + 2 C + K + 1,) first memory bin of each edge, limb (two a cylinder), rim (two a cylinder) and circle, and their number.
-
-        What a tracker learns along an edge it keeps in these bins: about 400 for the edges in proportion to their lengths, 32 a limb,
-        64 a rim.
-        """
-        total = max(float(self.edge_lengths.sum()), 1e-9)
-        counts = np.ceil(400.0 * self.edge_lengths / total).astype(int)
-        rounds = len(self.cylinders)
-        return np.r_[
-            0, np.cumsum(np.r_[counts, np.full(2 * rounds, 32), np.full(2 * rounds + len(self.circles), 64)])
-        ].astype(int)
+    def straight_edges(self) -> tuple[np.ndarray, ...]:
+        """Ends (E, 3) twice of the edges, and (E,) of -1: no cylinder's."""
+        return *(self.vertices[self.edges[:, i]] for i in (0, 1)), np.full(len(self.edges), -1)
 
 
 def across(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -17,8 +17,8 @@ from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.displacements import difference, move, pixel_derivatives, turned
 from vipr.systems.tracking.keyframes import HALF, Keyframe, contrast_floor, normalise, sample_patch
 from vipr.systems.tracking.normal_flow import Patch
+from vipr.systems.tracking.occlusion import hidden_behind
 from vipr.systems.tracking.small_algebra import dot6, kth_smallest, mirror, solve
-from vipr.systems.tracking.visible_edges import hidden_behind
 
 VISIBLE = 0.35  # share of the patches that is taken to be visible, at least
 CHANCE = 0.1  # share of patches that look right at a wrong pose, at most (textures repeat themselves)
