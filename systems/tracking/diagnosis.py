@@ -4,10 +4,12 @@ Two kinds of evidence, each corrected for what chance would give: the share of t
 densely edges lie along the search lines anyway), and the share of the texture patches that look as they were learnt.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from vipr.systems.compiled import compiled
 from vipr.systems.tracking.keyframes import Keyframe
 from vipr.systems.tracking.normal_flow import Matches
 from vipr.systems.tracking.pose_fit import Fit
@@ -53,7 +55,7 @@ class Evidence:
 
 
 def _logistic(z: float) -> float:
-    return float(1.0 / (1.0 + np.exp(-z)))
+    return 1.0 / (1.0 + math.exp(min(-z, 700.0)))
 
 
 def weigh(
@@ -67,17 +69,31 @@ def weigh(
     N = len(matches.offset)
     if not N:
         return Evidence()
-    present = matches.strength[:, : matches.wide] != 0
-    supported = np.abs(fit.residual) < NEAR  # nan: not supported
-    density = present.sum(1) * min(2.0 * NEAR / (2.0 * matches.reach + 1.0), 1.0)
-    chance = float((1.0 - np.exp(-density)).mean())
-    share = float((shown * supported).sum() / (shown * np.ones(N)).sum())
-    edges = (share - chance) / (1.0 - chance)
-    strength = np.abs(matches.strength)
-    clear = np.minimum(strength[np.arange(N), fit.chosen] / np.maximum(strength[:, : matches.wide].max(1), 1e-9), 1.0)
-    close = np.exp(-0.5 * np.nan_to_num(fit.residual, nan=9.0) ** 2)
-    quality = float((close * (0.5 + 0.5 * clear)).mean())
-    seen = (texture.significance, texture.patches) if texture is not None else (0.0, 0)
-    return Evidence(
-        edges, int(supported.sum()), *seen, fit.sigma, keyframe.trust if keyframe is not None else 1.0, quality=quality
+    edges, supported, quality = _support(
+        matches.strength, matches.wide, matches.reach, fit.residual, fit.chosen, shown * np.ones(N)
     )
+    seen = (texture.significance, texture.patches) if texture is not None else (0.0, 0)
+    trust = keyframe.trust if keyframe is not None else 1.0
+    return Evidence(edges, supported, *seen, fit.sigma, trust, quality=quality)
+
+
+@compiled
+def _support(strength, wide, reach, residual, chosen, shown):
+    """(share of the shown nodes that have their edge near, beyond chance; their number; how closely and strongly the edges fit)."""
+    N = len(residual)
+    share, all_shown, chance, quality, supported = 0.0, 0.0, 0.0, 0.0, 0
+    for n in range(N):
+        found, strongest = 0, 1e-9
+        for k in range(wide):
+            found += strength[n, k] != 0.0
+            strongest = max(strongest, abs(strength[n, k]))
+        chance += 1.0 - np.exp(-found * min(2.0 * NEAR / (2.0 * reach + 1.0), 1.0))
+        all_shown += shown[n]
+        if abs(residual[n]) < NEAR:  # nan: not supported
+            share += shown[n]
+            supported += 1
+        if residual[n] == residual[n]:
+            clear = min(abs(strength[n, chosen[n]]) / strongest, 1.0)
+            quality += np.exp(-0.5 * residual[n] ** 2) * (0.5 + 0.5 * clear)
+    chance /= N
+    return (share / all_shown - chance) / (1.0 - chance), supported, quality / N

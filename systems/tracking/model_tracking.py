@@ -14,9 +14,9 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
-from vipr.systems.tracking.displacements import corner_shift, difference, move, point_jacobian
+from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
-from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle
+from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle, surprise
 from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt, look_around
 from vipr.systems.tracking.texture import correlation_at
 
@@ -126,7 +126,7 @@ def step(
             f"tracker: the image is {image.shape[1]} x {image.shape[0]} px, its lens is for {lens.width} x {lens.height} px"
         )
     fresh = belief.X_CO_given is not None
-    dt = 0.0 if fresh else float(np.clip(time - belief.time, 0.0, 1.0))
+    dt = 0.0 if fresh else min(max(time - belief.time, 0.0), 1.0)
     ahead = predict(belief.motion, dt, settings.spin_noise, settings.speed_noise)
     if not settings.prediction:
         ahead = replace(ahead, X_CO=belief.X_CO)
@@ -220,10 +220,9 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
 
 def _agility(belief: Belief, ahead: Motion, motion: Motion) -> float:
     """How far the object has lately left its predictions, as a share of the accelerations that the settings expect."""
-    off = difference(ahead.X_CO, motion.X_CO)
-    surprise = np.sqrt(float(off @ np.linalg.solve(ahead.covariance[:6, :6] + 1e-12 * np.eye(6), off)) / 6.0)
-    grown = min(1.5 * surprise, 1.5 * belief.agility + 0.1)
-    return float(np.clip(max(0.85 * belief.agility, grown), 0.08, 1.0))
+    off = np.sqrt(surprise(ahead.X_CO, ahead.covariance, motion.X_CO) / 6.0)
+    grown = min(1.5 * off, 1.5 * belief.agility + 0.1)
+    return min(max(0.85 * belief.agility, grown, 0.08), 1.0)
 
 
 def _doubt(keyframes: tuple[Keyframe, ...], best: Attempt) -> tuple[Keyframe, ...]:
@@ -261,8 +260,6 @@ def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, eviden
 
 def _spread_px(ahead, sight):
     """RMS px by which the model's corners may be off the prediction."""
-    p_C = sight.model.corners @ ahead.X_CO[:3, :3].T + ahead.X_CO[:3, 3]
-    if (p_C[:, 2] <= 1e-3).any():
-        return 0.0
-    J = point_jacobian(sight.model.corners, ahead.X_CO, sight.lens)
-    return float(np.sqrt((J @ ahead.covariance[:6, :6] * J).sum((1, 2)).mean()))
+    J = point_jacobian(sight.model.corners, ahead.X_CO, sight.lens).reshape(-1, 6)
+    square = ((J @ ahead.covariance[:6, :6]) * J).sum() / len(sight.model.corners)
+    return float(np.sqrt(square)) if np.isfinite(square) else 0.0

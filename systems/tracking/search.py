@@ -5,16 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vipr.systems.camera.lens import Lens
+from vipr.systems.compiled import compiled
 from vipr.systems.tracking.affine import fit_affine, move_points
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import Evidence, weigh
 from vipr.systems.tracking.displacements import corner_information, corner_shift, difference, move, normal_jacobian
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, pyramid, view_difference
-from vipr.systems.tracking.motion_filter import Motion
+from vipr.systems.tracking.motion_filter import Motion, surprise
 from vipr.systems.tracking.normal_flow import cut_patch, find_edges
 from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose
-from vipr.systems.tracking.small_algebra import solve
+from vipr.systems.tracking.small_algebra import invert, solve
 from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
 from vipr.systems.tracking.texture import TextureFit, align
 from vipr.systems.tracking.visible_edges import visible_nodes
@@ -62,12 +63,11 @@ class Sight:
     def expect(self, ahead: Motion) -> None:
         """Take this prediction as the prior of the fits."""
         self.ahead = ahead
-        self.X_CO_ahead, self.information = ahead.X_CO, np.linalg.inv(ahead.covariance[:6, :6] + 1e-12 * np.eye(6))
+        self.X_CO_ahead, self.information = ahead.X_CO, invert(np.ascontiguousarray(ahead.covariance[:6, :6]))
 
     def goes_steadily(self, X_CO: np.ndarray, limit: float = 25.0) -> bool:
         """Whether a pose is what the motion so far leads to (squared Mahalanobis distance of six parameters below the limit)."""
-        off = difference(self.steady.X_CO, X_CO)
-        return float(off @ np.linalg.solve(self.steady.covariance[:6, :6] + 1e-12 * np.eye(6), off)) < limit
+        return surprise(self.steady.X_CO, self.steady.covariance, X_CO) < limit
 
     def open(self, poses: list[np.ndarray], margin: float) -> None:
         """Cut the patch that holds the model at all the poses, and margin [px] around it."""
@@ -103,8 +103,8 @@ def attempt(
         texture = _align(sight, X_CO, keyframe, depth, information)
         if texture.significance > FOLLOWED:
             X_CO = texture.X_CO
-            own = np.linalg.inv(texture.information + 1e-6 * np.diag(texture.information.diagonal() + 1e-9))
-            prior, led_by = np.linalg.inv(own + keyframe.covariance), keyframe
+            own = invert(texture.information + 1e-6 * np.diag(texture.information.diagonal() + 1e-9))
+            prior, led_by = invert(own + keyframe.covariance), keyframe
             if sight.goes_steadily(X_CO):
                 sight.expect(sight.steady)
                 information = sight.information
@@ -136,7 +136,7 @@ def attempt(
     evidence = weigh(matches, fit, texture, keyframe, shown)
     if sight.keyframes and texture is None:  # an unknown side of it: believed only if it has just turned there
         evidence = replace(evidence, unproven=sight.doubtful > 0 or view_difference(sight.X_CO_last, X_CO) > 0.25)
-    covariance = np.linalg.inv(fit.information - information + 1e-3 * information)
+    covariance = invert(fit.information - information + 1e-3 * information)
     return Attempt(X_CO, covariance, evidence, sight.ahead, led_by)
 
 
@@ -168,7 +168,7 @@ def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
         sight, best.X_CO, sight.settings.fine_reach, (1.3,), Prior(off, agreement * aim), 2.0, sharp=True
     )
     evidence = replace(weigh(matches, fit), given=agreement)
-    return Attempt(X, np.linalg.inv(fit.information + 1e-3 * sight.information), evidence)
+    return Attempt(X, invert(fit.information + 1e-3 * sight.information), evidence)
 
 
 def _agreement(sight, X_CO, X_CO_given):
@@ -246,7 +246,7 @@ def edge_pass(
     matches = _look(sight, nodes, reach, SHARP_REACH if sharp and settings.sharp else 0.0)
     J = normal_jacobian(nodes, X_CO, sight.lens)
     shown = _shown(nodes.pixel, texture)
-    likely = preferences(matches)
+    likely = preferences(matches.strength, matches.wide)
     common = {"edge": nodes.edge, "model_error": settings.model_error, "node_weight": shown}
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
@@ -264,16 +264,26 @@ def _shown(pixel, texture):
     return np.maximum((near @ texture.right + 0.05 * texture.right.mean()) / (near.sum(1) + 0.05), 0.02)
 
 
-def preferences(matches):
-    """(N, K) 0 to 1: the strongest edge of a node counts fully, others by how clear they are beside it; sharp ones count all alike."""
-    strength = np.abs(matches.strength)
-    certain = strength / (strength + CLEAR)
-    wide, sharp = certain[:, : matches.wide], strength[:, matches.wide :] > 0
-    wide = wide / np.maximum(wide.max(1, keepdims=True, initial=0.0), 1e-9)
-    if not sharp.shape[1]:
-        return wide
-    wide = np.where(sharp.any(1, keepdims=True), 0.3 * wide, wide)
-    return np.concatenate([wide, sharp], 1)
+@compiled
+def preferences(strength, wide):
+    """(N, K) 0 to 1: the strongest edge of a node counts fully, others by how clear they are beside it; sharp ones, from column wide on,
+    count all alike, and where there is one, the others count little.
+    """
+    N, K = strength.shape
+    likely = np.zeros((N, K))
+    for n in range(N):
+        clearest, sharp = 1e-9, False
+        for k in range(K):
+            certain = abs(strength[n, k]) / (abs(strength[n, k]) + CLEAR)
+            if k < wide:
+                likely[n, k] = certain
+                clearest = max(clearest, certain)
+            elif certain > 0.0:
+                likely[n, k] = 1.0
+                sharp = True
+        for k in range(wide):
+            likely[n, k] *= (0.3 if sharp else 1.0) / clearest
+    return likely
 
 
 def _look(sight, nodes, reach, sharp_reach=0.0):

@@ -26,7 +26,7 @@ def nodes_on_line(angle, count=40):
     pixel = 60 + np.linspace(-40, 40, count)[:, None] * np.array([-n[1], n[0]])
     zero = np.zeros(count, int)
     normal = np.tile(n, (count, 1))
-    return Nodes(np.zeros((count, 3)), pixel, normal, np.ones(count), np.ones((count, 2), bool), zero, zero, 2.0)
+    return Nodes(np.zeros((count, 3)), pixel, normal, np.ones(count), np.ones((count, 2), bool), zero, 2.0)
 
 
 def strongest(matches):
