@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from vipr.scenarios.command import analyse, bench, experiment, gestures, hands, run, teach, track
+from vipr.scenarios.command import analyse, bench, calibrate, experiment, gestures, hands, run, teach, track
 from vipr.scenarios.command.output import print_error
 from vipr.systems.errors import InputError
 
@@ -29,6 +29,7 @@ gestures.register(app)
 experiment.register(app)
 bench.register(app)
 analyse.register(app)
+calibrate.register(app)
 
 
 def _print_version(wanted: bool) -> None:

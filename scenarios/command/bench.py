@@ -16,6 +16,10 @@ TABLES = {
         "Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels.",
         "time, rooms, light, clips, pixels",
     ),
+    "calibration": (
+        "vipr calibrate over many seeds: errors against truth beside the standard errors that it tells.",
+        "errors, views",
+    ),
 }
 
 

@@ -76,5 +76,26 @@ def load_lens(path: str | Path) -> Lens:
     return Lens(width, height, K[0, 0], K[1, 1], K[0, 2], K[1, 2], coefficients)
 
 
+def save_lens(path: str | Path, lens: Lens, name: str = "camera") -> None:
+    """Write the lens as a ROS ``camera_info`` YAML file that ``load_lens`` reads."""
+
+    def matrix(rows: int, numbers) -> dict:
+        numbers = [float(v) for v in numbers]
+        return {"rows": rows, "cols": len(numbers) // rows, "data": numbers}
+
+    distortion = [*lens.distortion, 0.0, 0.0, 0.0, 0.0, 0.0]
+    info = {
+        "image_width": lens.width,
+        "image_height": lens.height,
+        "camera_name": name,
+        "camera_matrix": matrix(3, lens.K.ravel()),
+        "distortion_model": "plumb_bob" if len(lens.distortion) <= 5 else "rational_polynomial",
+        "distortion_coefficients": matrix(1, distortion[: max(5, len(lens.distortion))]),
+        "rectification_matrix": matrix(3, np.eye(3).ravel()),
+        "projection_matrix": matrix(3, np.column_stack([lens.K, np.zeros(3)]).ravel()),
+    }
+    Path(path).write_text(yaml.safe_dump(info, sort_keys=False, default_flow_style=None, width=140))
+
+
 def _first_line(error: Exception) -> str:
     return (str(error).splitlines() or [type(error).__name__])[0]

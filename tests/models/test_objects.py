@@ -12,7 +12,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from vipr.models import model_path
-from vipr.models.build import objects, robots
+from vipr.models.build import board, objects, robots
 from vipr.systems.camera.lens import load_lens
 from vipr.systems.tracking.cad_model import load_model
 
@@ -156,19 +156,29 @@ def test_polyhedra_are_closed_and_face_outwards(name):
 def test_the_kept_files_are_what_the_builder_writes(tmp_path):
     robots.write(tmp_path)
     objects.write(tmp_path, prints=False)
+    board.write(tmp_path, prints=False)
     written = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert len(written) > 40
     for path in written:
         assert path.read_text() == model_path(str(path.relative_to(tmp_path))).read_text(), path.name
 
 
-@pytest.mark.parametrize("path", ["room/room.sdf", "xc77/xc77.sdf", "xc77/tripod.sdf", "motion_stage/motion_stage.sdf"])
+@pytest.mark.parametrize(
+    "path",
+    [
+        "room/room.sdf",
+        "xc77/xc77.sdf",
+        "xc77/tripod.sdf",
+        "motion_stage/motion_stage.sdf",
+        "calibration_board/calibration_board.sdf",
+    ],
+)
 def test_model_loads_without_a_warning(path, caplog):
     scene((path, None, None))
     assert not caplog.records
 
 
-WORKCELL = ("puma560", "barrett_hand", "xc77", "table", "room", "motion_stage")
+WORKCELL = ("puma560", "barrett_hand", "xc77", "table", "room", "motion_stage", "calibration_board")
 
 
 @pytest.mark.parametrize("name", [*WORKCELL, *NAMES])
