@@ -101,7 +101,7 @@ class Align(ServoScenario):
                 ) from None
 
     def _task(self):
-        return Reach(self._config.X_WC, self._X_OG, self._cad.corners)
+        return Reach(self._X_WC, self._X_OG, self._cad.corners)
 
     def _judge(self):
         return AlignmentError(self._X_OG)

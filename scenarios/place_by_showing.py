@@ -132,7 +132,7 @@ class PlaceByShowing(ServoScenario):
         start = disturbed(X_CO, s.initial_error_mm, s.initial_error_deg, rng)
         tracker = builder.AddSystem(
             ModelTracker(
-                self._cad, config.lens, X_CO_initial=start, settings=s.tracker, offset=self._schedule.tracker_offset
+                self._cad, self._lens, X_CO_initial=start, settings=s.tracker, offset=self._schedule.tracker_offset
             )
         )
         builder.Connect(cell.GetOutputPort("frame"), tracker.GetInputPort("frame"))
@@ -148,13 +148,13 @@ class PlaceByShowing(ServoScenario):
                 raise InputError(
                     f"{self.name}: the object is not seen at the shown place (the tracker says {seen.state})"
                 )
-            pixels.append(config.lens.project(self._cad.corners @ seen.X_CO[:3, :3].T + seen.X_CO[:3, 3]))
+            pixels.append(self._lens.project(self._cad.corners @ seen.X_CO[:3, :3].T + seen.X_CO[:3, 3]))
         size = (config.lens.width, config.lens.height)
         return ShownPlace(s.object, s.place, size, self._cad.corners, np.mean(pixels, axis=0))
 
     def _task(self):
         shown = self._taught or self.show()
-        return shown.task(self._config.lens, self._config.X_WC)
+        return shown.task(self._lens, self._X_WC)
 
     def _judge(self):
         return PlacementError(self._X_WO_shown)

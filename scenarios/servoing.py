@@ -12,11 +12,13 @@ from pydrake.trajectories import Trajectory
 from vipr.diagrams.servo_robot import Schedule, ServoRobot
 from vipr.diagrams.workcell import Workcell, WorkcellConfig, puma_with_hand
 from vipr.models import model_path, object_names
+from vipr.scenarios.calibration import CameraKnowledge
 from vipr.scenarios.scenario import Outcome, Scenario
 from vipr.scenarios.settings import ONE_OF
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.camera.imperfections import Imperfection
+from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.recording.channels import ImageChannel, JointChannel, PoseChannel, StatusChannel, VectorChannel
 from vipr.systems.recording.history import History
@@ -48,6 +50,7 @@ class ServoingSettings:
     initial_error_deg: float = 5.0
     delay_frames: int = 0  # by which the tracker's poses come late, as from a slow computer
     camera: Imperfection = Imperfection()
+    calibration: CameraKnowledge = CameraKnowledge()  # what the robot believes of its camera
     supersampling: int = 2  # of the rendering, 1 to 4
     tracker: TrackerSettings = TrackerSettings()
     servo: Annotated[ServoLaw, ONE_OF] = PositionBased()
@@ -81,12 +84,17 @@ class ServoScenario(Scenario):
     _fingers: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)  # rad, commands of the hand's motors: open
     _X_CO_start: np.ndarray  # (4, 4) where the object truly is at the start
 
+    # What the robot believes of its camera.
+    _lens: Lens
+    _X_WC: np.ndarray
+
     def __init__(self, settings: ServoingSettings, seed: int):
         super().__init__(settings, seed)
         self._cad = load_model(model_path(f"{settings.object}/model.yaml"))
         self._schedule = Schedule(delay_frames=settings.delay_frames)
         rng = np.random.default_rng(seed)
         self._plan(rng)
+        self._lens, self._X_WC = settings.calibration.believed(self._config.lens, self._config.X_WC, seed)
         self._X_CO_initial = disturbed(self._X_CO_start, settings.initial_error_mm, settings.initial_error_deg, rng)
 
     @abstractmethod
@@ -116,6 +124,7 @@ class ServoScenario(Scenario):
                 self._X_CO_initial,
                 self._task(),
                 self._judge(),
+                lens=self._lens,
                 tracker=s.tracker,
                 law=s.servo,
                 motion=s.target,
