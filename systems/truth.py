@@ -6,6 +6,8 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, LeafSystem
 
 from vipr.systems import se3
+from vipr.systems.arm.kinematics import SerialArm
+from vipr.systems.errors import InputError
 from vipr.systems.signals import ObjectPose
 
 
@@ -43,6 +45,71 @@ class PoseTruth(LeafSystem):
 
     def _calc_X_CO_true(self, context, output):
         output.set_value(self._X_CW @ self._poses.Eval(context)[self._object])
+
+
+class KinematicTruth(LeafSystem):
+    """The true poses where the arm is wherever its joints are, and the object on its stage or in the hand: geometry, no dynamics.
+
+    .. pydrake_system::
+
+        name: KinematicTruth
+        input_ports:
+        - joint_state
+        - stage_desired_state
+        output_ports:
+        - X_WO_true
+        - X_WE_true
+        - X_CO_true
+        - X_CE_true
+
+    ``joint_state`` (2n) is [q; qdot] of the arm, ``stage_desired_state`` (6) [x, y, yaw; rates] of the stage, whose plate is at ``X_WS``
+    when they are zero. The object stands in the middle of the plate, or is held at ``X_EO_held``. The camera stands at ``X_WC``, or is
+    on the hand at ``X_EC``. Feedthrough.
+    """
+
+    def __init__(
+        self,
+        arm: SerialArm,
+        X_WS: np.ndarray,
+        *,
+        X_WC: np.ndarray | None = None,
+        X_EC: np.ndarray | None = None,
+        X_EO_held: np.ndarray | None = None,
+    ):
+        super().__init__()
+        if (X_WC is None) == (X_EC is None):
+            raise InputError("kinematic truth: give X_WC of a fixed camera or X_EC of one on the hand")
+        self._arm, self._X_WS, self._X_WC, self._X_EC, self._X_EO = arm, X_WS, X_WC, X_EC, X_EO_held
+        self._joints = self.DeclareVectorInputPort("joint_state", 2 * len(arm.d))
+        self._stage = self.DeclareVectorInputPort("stage_desired_state", 6)
+        ticket = {self._joints.ticket(), self._stage.ticket()}
+        for name in ("X_WO_true", "X_WE_true", "X_CO_true", "X_CE_true"):
+            calc = getattr(self, f"_calc_{name}")
+            self.DeclareAbstractOutputPort(name, lambda: Value(RigidTransform()), calc, ticket)
+
+    def _poses(self, context) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """X_WO, X_WE and X_CW (4, 4)."""
+        X_WE = self._arm.tool_pose(self._joints.Eval(context)[: len(self._arm.d)])
+        if self._X_EO is None:
+            x, y, yaw = self._stage.Eval(context)[:3]
+            X_WO = self._X_WS @ se3.pose(se3.exp_so3(np.array([0.0, 0.0, yaw])), [x, y, 0.0])
+        else:
+            X_WO = X_WE @ self._X_EO
+        return X_WO, X_WE, se3.inverse(X_WE @ self._X_EC if self._X_WC is None else self._X_WC)
+
+    def _calc_X_WO_true(self, context, output):
+        output.set_value(RigidTransform(self._poses(context)[0]))
+
+    def _calc_X_WE_true(self, context, output):
+        output.set_value(RigidTransform(self._poses(context)[1]))
+
+    def _calc_X_CO_true(self, context, output):
+        X_WO, _, X_CW = self._poses(context)
+        output.set_value(RigidTransform(X_CW @ X_WO))
+
+    def _calc_X_CE_true(self, context, output):
+        _, X_WE, X_CW = self._poses(context)
+        output.set_value(RigidTransform(X_CW @ X_WE))
 
 
 class TrackingError(LeafSystem):

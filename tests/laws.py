@@ -18,7 +18,7 @@ import vipr.diagrams
 import vipr.systems
 
 # Systems that turn truth into a measurement, the only legal way from a plant to a controller.
-SENSORS = {"RgbdSensor", "JointEncoders"}
+SENSORS = {"RgbdSensor", "JointEncoders", "GeometricSight"}
 # Plant outputs that are measurements: what the motors spend, which their amplifiers know.
 MEASURED_BY_PLANT = "_net_actuation"
 # Systems that decide what the robot does: no truth may reach them but through a sensor.

@@ -2,13 +2,18 @@
 
 import numpy as np
 
+from vipr.diagrams.geometric_servo import GeometricServo
 from vipr.diagrams.servo_robot import Schedule, ServoRobot
-from vipr.diagrams.workcell import Workcell, WorkcellConfig, standing
+from vipr.diagrams.workcell import ACCELERATION, Workcell, WorkcellConfig, fixed_camera, puma_with_hand, standing
 from vipr.models import model_path
 from vipr.systems import se3
+from vipr.systems.arm import puma560
+from vipr.systems.arm.resolved_rate import JointLimits
+from vipr.systems.servo.image_based import ImageBased
 from vipr.systems.servo.tasks import Reach
 from vipr.systems.tracking.cad_model import load_model
-from vipr.systems.truth import AlignmentError
+from vipr.systems.tracking.geometric_sight import GeometricSight, SightErrors
+from vipr.systems.truth import AlignmentError, KinematicTruth
 
 
 def workcell():
@@ -38,4 +43,15 @@ def servo_robot(schedule=Schedule()):
     return system, fix
 
 
-EXAMPLES = {Workcell: workcell, ServoRobot: servo_robot}
+def geometric_servo():
+    arm, X_WC, q = puma_with_hand(), fixed_camera(), puma560.NAMED["nominal"]
+    corners = load_model(model_path("milk_carton/model.yaml")).corners
+    truth = KinematicTruth(arm, standing((0.0, 0.0, 0.0)), X_WC=X_WC)
+    sight = GeometricSight(corners, SightErrors(lateral_noise=1e-4), seed=1)
+    task = Reach(X_WC, se3.pose(np.diag([1.0, -1.0, -1.0]), [0, 0, 0.3]), corners)
+    limits = JointLimits(puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION)
+    system = GeometricServo(arm, limits, q, truth, sight, task, ImageBased(), see_hand=True)
+    return system, lambda context, t: system.get_input_port().FixValue(context, 0.01 * np.sin(np.arange(6) + t))
+
+
+EXAMPLES = {GeometricServo: geometric_servo, Workcell: workcell, ServoRobot: servo_robot}

@@ -1,10 +1,15 @@
 """Examples of the tracking systems for the laws."""
 
+from dataclasses import replace
+
 import numpy as np
 from drawn_objects import LENS, box, picture, pose_at
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
 
 from vipr.systems.signals import CameraFrame, ObjectPose, Occluders
 from vipr.systems.tracking.annotator import PoseAnnotator
+from vipr.systems.tracking.geometric_sight import GeometricSight, SightErrors
 from vipr.systems.tracking.tracker import ModelTracker
 
 
@@ -34,4 +39,15 @@ def annotator():
     return system, fix
 
 
-EXAMPLES = {ModelTracker: tracker, PoseAnnotator: annotator}
+def geometric_sight():
+    believed = replace(LENS, fx=1.1 * LENS.fx, fy=1.1 * LENS.fy)
+    system = GeometricSight(box().corners, SightErrors(1e-3, 1e-4, 1e-3), lens=LENS, believed=believed, seed=3)
+
+    def fix(context, t):
+        for name, ahead in (("X_CO_true", 0.0), ("X_CE_true", 0.1)):
+            system.GetInputPort(name).FixValue(context, Value(RigidTransform(pose_at(t + ahead))))
+
+    return system, fix
+
+
+EXAMPLES = {GeometricSight: geometric_sight, ModelTracker: tracker, PoseAnnotator: annotator}

@@ -5,8 +5,9 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 
 from vipr.systems import se3
+from vipr.systems.arm.puma560 import WRIST as ARM
 from vipr.systems.signals import ObjectPose
-from vipr.systems.truth import AlignmentError, PlacementError, PoseTruth, TrackingError
+from vipr.systems.truth import AlignmentError, KinematicTruth, PlacementError, PoseTruth, TrackingError
 
 
 def moved(t):
@@ -44,14 +45,25 @@ def alignment_error():
     return system, fix
 
 
+def kinematic_truth():
+    system = KinematicTruth(ARM, np.eye(4), X_EC=moved(2).GetAsMatrix4())
+
+    def fix(context, t):
+        system.GetInputPort("joint_state").FixValue(context, 0.3 * np.sin(np.arange(12) + t))
+        system.GetInputPort("stage_desired_state").FixValue(context, 0.1 * np.cos(np.arange(6) + t))
+
+    return system, fix
+
+
 def placement_error():
     system = PlacementError(moved(1).GetAsMatrix4())
     return system, lambda context, t: system.get_input_port().FixValue(context, Value(moved(t)))
 
 
 EXAMPLES = {
-    PlacementError: placement_error,
     PoseTruth: pose_truth,
+    KinematicTruth: kinematic_truth,
     TrackingError: tracking_error,
     AlignmentError: alignment_error,
+    PlacementError: placement_error,
 }
