@@ -55,7 +55,7 @@ def workcell_loop(
     """
     return SampledLoop(
         arm_response(puma560.NAMED["nominal"] if q is None else q),
-        latency=schedule.servo_offset + schedule.delay_frames * schedule.camera if latency is None else latency,
+        latency=schedule.latency if latency is None else latency,
         use=use,
         camera=schedule.camera,
         arm=schedule.arm,

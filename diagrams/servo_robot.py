@@ -48,6 +48,11 @@ class Schedule:
         }
 
     @property
+    def latency(self) -> float:
+        """From the exposure to the servo's tick that answers it [s]."""
+        return self.servo_offset + self.delay_frames * self.camera
+
+    @property
     def exposure_to_command(self) -> float:
         """From the exposure to the first joint set-point that knows of it [s]."""
         ticks = np.ceil((self.servo_offset - self.arm_offset) / self.arm - 1e-9)

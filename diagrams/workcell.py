@@ -35,6 +35,7 @@ HAND_MASS, HAND_CENTRE = 1.1, 0.06  # kg; m from the flange: what the gravity co
 STIFFNESS = np.array([4000.0, 4000.0, 3000.0, 400.0, 400.0, 400.0])
 DAMPING = 1.8 * np.sqrt(STIFFNESS * np.maximum(0.3, puma560.REFLECTED_INERTIA))
 ACCELERATION = np.array([4.0, 4.0, 6.0, 12.0, 12.0, 12.0])  # rad/s^2, of the set-points: a smooth start for the servo
+JOINT_LIMITS = JointLimits(puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION)
 ARM_COUNT = 2 * np.pi / (1000 * np.abs(puma560.GEAR_RATIO))  # rad, encoders of 1000 counts a motor turn
 HAND_COUNT = 2 * np.pi / (360 * np.array([17.5, 125, 375, 17.5, 125, 375, 125, 375]))  # rad, 360 counts a motor turn
 
@@ -69,6 +70,11 @@ def obstacles(stage: np.ndarray | None = None) -> tuple[Shape, ...]:
         box("stage_foot", (0.48, 0.36, 0.012), se3.pose(np.eye(3), STAGE - [0, 0, 0.014])),
         plate,
     )
+
+
+def collision_guard() -> CollisionGuard:
+    """Keeps arm and hand from the workcell and from themselves."""
+    return CollisionGuard(puma_with_hand_body(puma_with_hand()), obstacles())
 
 
 def standing(stage: np.ndarray) -> np.ndarray:
@@ -150,10 +156,7 @@ class Workcell(Diagram):
         models = _add_models(plant, config)
         puma, hand, stage = models["puma560"], models["barrett_hand"], models["motion_stage"]
         self.arm = puma_with_hand()
-        self.joint_limits = JointLimits(
-            puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION
-        )
-        self.guard = CollisionGuard(puma_with_hand_body(self.arm), obstacles())
+        self.joint_limits, self.guard = JOINT_LIMITS, collision_guard()
         add_renderer(scene_graph, RENDERER, daylight())
 
         encoders = builder.AddNamedSystem("encoders", JointEncoders(ARM_COUNT))

@@ -49,24 +49,24 @@ class Align(ServoScenario):
 
     def _plan(self, rng):
         s = self.settings
-        self._X_OG = above(self._cad.corners, s.clearance_m)
+        self.X_OG = above(self.cad.corners, s.clearance_m)
         stage = np.array([*rng.uniform(-0.03, 0.03, 2), np.deg2rad(rng.uniform(-30, 30))])
         heading, turn = rng.uniform(-np.pi, np.pi), rng.choice([-1.0, 1.0])
         rate = np.array([np.cos(heading), np.sin(heading), 0.0]) * s.object_speed_m_s
         rate[2] = turn * np.deg2rad(s.object_turn_deg_s)
         stage = self._begin(stage, rate)
-        self._motion = out_and_back(stage, rate, begin=s.approach_s, cruise=s.cruise_s, ramp=RAMP)
+        self.motion = out_and_back(stage, rate, begin=s.approach_s, cruise=s.cruise_s, ramp=RAMP)
         X_WO, X_WC = standing(stage), fixed_camera()
-        self._config = WorkcellConfig(
+        self.config = WorkcellConfig(
             object=s.object,
             stage_initial=tuple(stage),
-            q_initial=self._start(X_WO @ self._X_OG, rng),
+            q_initial=self._start(X_WO @ self.X_OG, rng),
             X_WC=X_WC,
             imperfection=s.camera,
             supersampling=s.supersampling,
             seed=self.seed,
         )
-        self._X_CO_start = se3.inverse(X_WC) @ X_WO
+        self.X_CO_start = se3.inverse(X_WC) @ X_WO
         self._require_reach()
 
     def _begin(self, stage: np.ndarray, rate: np.ndarray) -> np.ndarray:
@@ -91,30 +91,33 @@ class Align(ServoScenario):
 
     def _require_reach(self) -> None:
         """InputError if the object carries the goal out of the arm's reach."""
-        q = self._config.q_initial
-        for t in np.linspace(0.0, self._motion.end_time(), 30):
+        q = self.config.q_initial
+        for t in np.linspace(0.0, self.motion.end_time(), 30):
             try:
-                q = joints_for(standing(self._motion.value(t).ravel()) @ self._X_OG, q)
+                q = joints_for(standing(self.motion.value(t).ravel()) @ self.X_OG, q)
             except InputError as error:
                 raise InputError(
                     f"{self.name}: the goal leaves the arm's reach {t:.1f} s after the start: {error}"
                 ) from None
 
-    def _task(self):
-        return Reach(self._X_WC, self._X_OG, self._cad.corners)
+    def task(self):
+        return Reach(self.X_WC, self.X_OG, self.cad.corners)
 
-    def _judge(self):
-        return AlignmentError(self._X_OG)
+    def referee(self):
+        return AlignmentError(self.X_OG)
+
+    def body_and_goal(self, X_WO, X_WE):
+        return X_WE, X_WO @ self.X_OG
 
     @property
     def duration(self) -> float:
-        return self._motion.end_time() + self.settings.settle_s
+        return self.motion.end_time() + self.settings.settle_s
 
-    def _windows(self, t):
+    def windows(self, t):
         s = self.settings
         return {
             "final": t > self.duration - 0.5,
-            "following": (t >= s.approach_s) & (t <= self._motion.end_time()) & (s.cruise_s > 0),
+            "following": (t >= s.approach_s) & (t <= self.motion.end_time()) & (s.cruise_s > 0),
             "aligned": (t > s.approach_s - 0.5) & (t < s.approach_s),
         }
 

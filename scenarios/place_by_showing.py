@@ -25,7 +25,7 @@ from vipr.systems.errors import InputError
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import PlacementError
 
-SHOWING = 1.2  # s that the object is held still at the shown place
+SHOWING = 2.4  # s that the object is held still at the shown place
 LOOKS = 10  # frames at its end whose corners are averaged
 BORDER = 20  # px that the corners keep from the image's border
 
@@ -68,11 +68,11 @@ class PlaceByShowing(ServoScenario):
             raise InputError(
                 f"{self.name}: {s.shown} shows the object {taught.object!r}, the setting object is {s.object!r}"
             )
-        self._taught = taught
-        self._X_EO = se3.inverse(above(self._cad.corners, -s.grip_m))
-        self._X_WO_shown, self._q_shown = self._shown(taught.place if taught else s.place, X_WC)
-        self._motion = out_and_back(np.zeros(3), np.zeros(3), begin=1.0, cruise=0.0)
-        self._config = WorkcellConfig(
+        self.taught = taught
+        self._X_EO = se3.inverse(above(self.cad.corners, -s.grip_m))
+        self.X_WO_shown, self._q_shown = self._shown(taught.place if taught else s.place, X_WC)
+        self.motion = out_and_back(np.zeros(3), np.zeros(3), begin=1.0, cruise=0.0)
+        self.config = WorkcellConfig(
             object=s.object,
             X_EO_held=self._X_EO,
             q_initial=self._q_shown,
@@ -82,8 +82,8 @@ class PlaceByShowing(ServoScenario):
             seed=self.seed,
         )
         X_WO, q = self._start(rng)
-        self._config = replace(self._config, q_initial=q)
-        self._X_CO_start = se3.inverse(X_WC) @ X_WO
+        self.config = replace(self.config, q_initial=q)
+        self.X_CO_start = se3.inverse(X_WC) @ X_WO
 
     def _shown(self, place: int, X_WC: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """X_WO and joint angles (6,) of the shown place: above the stage, upright."""
@@ -99,7 +99,7 @@ class PlaceByShowing(ServoScenario):
 
     def _start(self, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         """X_WO and joint angles (6,) at the start, within the arm's reach and the camera's view."""
-        s, X_WC, lens = self.settings, self._config.X_WC, self._config.lens
+        s, X_WC, lens = self.settings, self.config.X_WC, self.config.lens
         for _ in range(200):
             aside = rng.uniform(-s.start_offset_m, s.start_offset_m, 3) * [1.0, 1.0, 0.5] + [
                 0,
@@ -107,10 +107,10 @@ class PlaceByShowing(ServoScenario):
                 0.25 * s.start_offset_m,
             ]
             turn = np.deg2rad(s.start_turn_deg) * rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0)
-            R = se3.exp_so3(turn * X_WC[:3, 1]) @ self._X_WO_shown[:3, :3]
-            X_WO = se3.pose(R, self._X_WO_shown[:3, 3] + aside)
+            R = se3.exp_so3(turn * X_WC[:3, 1]) @ self.X_WO_shown[:3, :3]
+            X_WO = se3.pose(R, self.X_WO_shown[:3, 3] + aside)
             X_CO = se3.inverse(X_WC) @ X_WO
-            pixels = lens.project(self._cad.corners @ X_CO[:3, :3].T + X_CO[:3, 3])
+            pixels = lens.project(self.cad.corners @ X_CO[:3, :3].T + X_CO[:3, 3])
             if pixels.min() < BORDER or (pixels.max(axis=0) > [lens.width - BORDER, lens.height - BORDER]).any():
                 continue
             try:
@@ -124,44 +124,52 @@ class PlaceByShowing(ServoScenario):
 
     def show(self) -> ShownPlace:
         """Hold the object at the place, look at it for a moment, and keep the image positions of its corners."""
-        s, config = self.settings, replace(self._config, q_initial=self._q_shown)
+        s, config = self.settings, replace(self.config, q_initial=self._q_shown)
         rng = np.random.default_rng([s.place, 2])
-        X_CO = se3.inverse(config.X_WC) @ self._X_WO_shown
+        X_CO = se3.inverse(config.X_WC) @ self.X_WO_shown
         builder = DiagramBuilder()
         cell = builder.AddSystem(Workcell(config))
         start = disturbed(X_CO, s.initial_error_mm, s.initial_error_deg, rng)
         tracker = builder.AddSystem(
             ModelTracker(
-                self._cad, self._lens, X_CO_initial=start, settings=s.tracker, offset=self._schedule.tracker_offset
+                self.cad, self.lens, X_CO_initial=start, settings=s.tracker, offset=self.schedule.tracker_offset
             )
         )
         builder.Connect(cell.GetOutputPort("frame"), tracker.GetInputPort("frame"))
         still = ConstantVectorSource(np.concatenate([self._q_shown, np.zeros(6)]))
-        for name, source in {**stage_and_fingers(self._motion, self._fingers), "arm_desired_state": still}.items():
+        for name, source in {**stage_and_fingers(self.motion, self._fingers), "arm_desired_state": still}.items():
             builder.Connect(builder.AddSystem(source).get_output_port(), cell.GetInputPort(name))
         simulator = Simulator(builder.Build())
         pose, pixels = tracker.GetOutputPort("object_pose"), []
         for k in range(LOOKS):
-            simulator.AdvanceTo(SHOWING - (LOOKS - 1 - k) * self._schedule.camera)
+            simulator.AdvanceTo(SHOWING - (LOOKS - 1 - k) * self.schedule.camera)
             seen = pose.Eval(tracker.GetMyContextFromRoot(simulator.get_context()))
             if seen.state != "tracking":
                 raise InputError(
                     f"{self.name}: the object is not seen at the shown place (the tracker says {seen.state})"
                 )
-            pixels.append(self._lens.project(self._cad.corners @ seen.X_CO[:3, :3].T + seen.X_CO[:3, 3]))
+            pixels.append(self.lens.project(self.cad.corners @ seen.X_CO[:3, :3].T + seen.X_CO[:3, 3]))
         size = (config.lens.width, config.lens.height)
-        return ShownPlace(s.object, s.place, size, self._cad.corners, np.mean(pixels, axis=0))
+        X_WO = cell.GetOutputPort("X_WO_true").Eval(cell.GetMyContextFromRoot(simulator.get_context())).GetAsMatrix4()
+        return ShownPlace(s.object, s.place, size, self.cad.corners, np.mean(pixels, axis=0), X_WO)
 
-    def _task(self):
-        shown = self._taught or self.show()
-        return shown.task(self._lens, self._X_WC)
+    def task(self):
+        self.taught = self.taught or self.show()
+        if self.taught.X_WO_true is not None:
+            self.X_WO_shown = (
+                self.taught.X_WO_true
+            )  # the arm gives way a little under the object: it stood there, not where it was sent
+        return self.taught.task(self.lens, self.X_WC)
 
-    def _judge(self):
-        return PlacementError(self._X_WO_shown)
+    def referee(self):
+        return PlacementError(self.X_WO_shown)
+
+    def body_and_goal(self, X_WO, X_WE):
+        return X_WO, self.X_WO_shown
 
     @property
     def duration(self) -> float:
         return self.settings.duration_s
 
-    def _windows(self, t):
+    def windows(self, t):
         return {"final": t > self.duration - 0.5}

@@ -9,6 +9,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource, TrajectorySource
 from pydrake.trajectories import Trajectory
 
+from vipr.diagrams.servo_loop import workcell_loop
 from vipr.diagrams.servo_robot import Schedule, ServoRobot
 from vipr.diagrams.workcell import Workcell, WorkcellConfig, puma_with_hand
 from vipr.models import model_path, object_names
@@ -23,7 +24,9 @@ from vipr.systems.errors import InputError
 from vipr.systems.recording.channels import ImageChannel, JointChannel, PoseChannel, StatusChannel, VectorChannel
 from vipr.systems.recording.history import History
 from vipr.systems.recording.plots import Line, Plot, PosePlot
+from vipr.systems.servo.analysis import largest_stable_gain
 from vipr.systems.servo.controller import Workspace
+from vipr.systems.servo.gain import largest_gain
 from vipr.systems.servo.laws import ServoLaw
 from vipr.systems.servo.position_based import PositionBased
 from vipr.systems.servo.target_filter import TargetMotion
@@ -35,8 +38,8 @@ AXES = ("rx", "ry", "rz", "x", "y", "z")
 ERROR_UNITS = ("rad",) * 3 + ("m",) * 3
 JOINTS = tuple(f"joint_{i}" for i in range(1, 7))
 LIMITS = ("joint_position", "joint_speed", "joint_acceleration")
-SHOULDER = (0.0, 0.0, float(puma560.D[0]))  # m, W
-REACH = 1.10  # m, from the shoulder to the hand: upper arm 432, forearm 432, hand 191 mm, and the shoulder's offset
+# From the shoulder to the hand: upper arm 432, forearm 432, hand 191 mm, and the shoulder's offset.
+WORKSPACE = Workspace(centre=(0.0, 0.0, float(puma560.D[0])), radius=1.10)  # m, W
 MARGIN = np.deg2rad(5.0)  # from the joints' stops, of every pose that a scenario chooses
 
 
@@ -79,60 +82,73 @@ class ServoScenario(Scenario):
     done: ClassVar[str]  # what a success is called
 
     # What a subclass's ``_plan`` settles.
-    _config: WorkcellConfig
-    _motion: Trajectory  # of the stage: x, y [m], yaw [rad]
+    config: WorkcellConfig
+    motion: Trajectory  # of the stage: x, y [m], yaw [rad]
     _fingers: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)  # rad, commands of the hand's motors: open
-    _X_CO_start: np.ndarray  # (4, 4) where the object truly is at the start
-
-    # What the robot believes of its camera.
-    _lens: Lens
-    _X_WC: np.ndarray
+    X_CO_start: np.ndarray  # (4, 4) where the object truly is at the start
+    lens: Lens  # what the robot believes of its camera
+    X_WC: np.ndarray
 
     def __init__(self, settings: ServoingSettings, seed: int):
         super().__init__(settings, seed)
-        self._cad = load_model(model_path(f"{settings.object}/model.yaml"))
-        self._schedule = Schedule(delay_frames=settings.delay_frames)
+        self.cad = load_model(model_path(f"{settings.object}/model.yaml"))
+        self.schedule = Schedule(delay_frames=settings.delay_frames)
         rng = np.random.default_rng(seed)
         self._plan(rng)
-        self._lens, self._X_WC = settings.calibration.believed(self._config.lens, self._config.X_WC, seed)
-        self._X_CO_initial = disturbed(self._X_CO_start, settings.initial_error_mm, settings.initial_error_deg, rng)
+        self.lens, self.X_WC = settings.calibration.believed(self.config.lens, self.config.X_WC, seed)
+        self.X_CO_initial = disturbed(self.X_CO_start, settings.initial_error_mm, settings.initial_error_deg, rng)
 
     @abstractmethod
     def _plan(self, rng: np.random.Generator) -> None:
         """Choose what stands where and how it moves."""
 
     @abstractmethod
-    def _task(self) -> Task:
+    def task(self) -> Task:
         """What the robot is to do, by what it believes."""
 
     @abstractmethod
-    def _judge(self) -> LeafSystem:
+    def referee(self) -> LeafSystem:
         """The system that compares it with the truth: its output is ``alignment_error``."""
 
     @abstractmethod
-    def _windows(self, t: np.ndarray) -> dict[str, np.ndarray]:
+    def body_and_goal(self, X_WO: np.ndarray, X_WE: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """X_WB and X_WG (4, 4) by the true poses of object and hand: what the referee compares."""
+
+    @abstractmethod
+    def windows(self, t: np.ndarray) -> dict[str, np.ndarray]:
         """Ticks (n,) of each window of time, by the name that its figures begin with."""
+
+    def require_stable(self) -> None:
+        """InputError if the loop cannot be stable with this gain and latency."""
+        gain = largest_gain(self.settings.servo.gain)
+        limit = largest_stable_gain(workcell_loop(self.config.q_initial, schedule=self.schedule))
+        if gain >= limit:
+            raise InputError(
+                f"{self.name}: servo.gain must be below {limit:.1f} 1/s, where the loop begins to oscillate at a latency of "
+                f"{1e3 * self.schedule.latency:.0f} ms, got {gain:g} 1/s"
+            )
 
     def build(self) -> Diagram:
         s = self.settings
+        self.require_stable()
         builder = DiagramBuilder()
         robot = builder.AddNamedSystem(
             "robot",
             ServoRobot(
-                Workcell(self._config),
-                self._cad,
-                self._X_CO_initial,
-                self._task(),
-                self._judge(),
-                lens=self._lens,
+                Workcell(self.config),
+                self.cad,
+                self.X_CO_initial,
+                self.task(),
+                self.referee(),
+                lens=self.lens,
                 tracker=s.tracker,
                 law=s.servo,
                 motion=s.target,
-                workspace=Workspace(SHOULDER, REACH),
-                schedule=self._schedule,
+                workspace=WORKSPACE,
+                schedule=self.schedule,
             ),
         )
-        for name, value in stage_and_fingers(self._motion, self._fingers).items():
+        for name, value in stage_and_fingers(self.motion, self._fingers).items():
             builder.Connect(builder.AddSystem(value).get_output_port(), robot.GetInputPort(name))
         for i in range(robot.num_output_ports()):
             port = robot.get_output_port(i)
@@ -160,7 +176,7 @@ class ServoScenario(Scenario):
         ]
 
     def frames(self):
-        return {("world", "camera"): self._config.X_WC}
+        return {("world", "camera"): self.config.X_WC}
 
     def plots(self):
         def axes(channel, some):
@@ -181,7 +197,7 @@ class ServoScenario(Scenario):
     def judge(self, history: History) -> Outcome:
         mm, deg = history.error_norms("alignment_error")
         figures = {}
-        for name, window in self._windows(history.times).items():
+        for name, window in self.windows(history.times).items():
             if window.any():
                 for kind, error in (("translation", mm[window]), ("rotation", deg[window])):
                     unit = "mm" if kind == "translation" else "deg"
@@ -193,7 +209,7 @@ class ServoScenario(Scenario):
             figures["tracking_translation_rms_mm"] = np.sqrt(np.mean(seen_mm[found] ** 2))
             figures["tracking_rotation_rms_deg"] = np.sqrt(np.mean(seen_deg[found] ** 2))
         figures["frames_without_pose_count"] = int(np.count_nonzero(~found))
-        figures["exposure_to_command_ms"] = 1e3 * self._schedule.exposure_to_command
+        figures["exposure_to_command_ms"] = 1e3 * self.schedule.exposure_to_command
         for name in LIMITS:
             figures[f"{name}_used_percent"] = 100.0 * history.numbers(f"limit_use.{name}").max()
         over = [

@@ -16,13 +16,14 @@ LARGEST_RESIDUAL = 5.0  # px: corners further from any view of the object than t
 
 @dataclass(frozen=True, eq=False)
 class ShownPlace:
-    """Corners of an object in O and in the image of one camera."""
+    """Corners of an object in O and in the image of one camera. Where the object truly stood is for the referee alone."""
 
     object: str
     place: int  # number of the place in ``place_by_showing``
     size: tuple[int, int]  # px, of the image
     points_O: np.ndarray  # (n, 3) m
     pixels: np.ndarray  # (n, 2)
+    X_WO_true: np.ndarray | None = None  # (4, 4)
 
     def task(self, lens: Lens, X_WC: np.ndarray) -> Place:
         """To bring the object there, by a robot that believes in this lens and this place of the camera."""
@@ -49,6 +50,8 @@ def save_shown_place(place: ShownPlace, path: Path) -> None:
         for p, u in zip(place.points_O, place.pixels, strict=True)
     ]
     values = {"object": place.object, "place": place.place, "image_size": list(place.size), "corners": corners}
+    if place.X_WO_true is not None:
+        values["X_WO_true"] = [[round(float(v), 9) for v in row] for row in place.X_WO_true]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(yaml.safe_dump(values, sort_keys=False, default_flow_style=None))
@@ -67,7 +70,8 @@ def load_shown_place(path: Path) -> ShownPlace:
         points = np.array([corner["point_m"] for corner in values["corners"]], float).reshape(-1, 3)
         pixels = np.array([corner["pixel"] for corner in values["corners"]], float).reshape(-1, 2)
         width, height = (int(v) for v in values["image_size"])
-        place = ShownPlace(str(values["object"]), int(values["place"]), (width, height), points, pixels)
+        truth = np.array(values["X_WO_true"], float).reshape(4, 4) if "X_WO_true" in values else None
+        place = ShownPlace(str(values["object"]), int(values["place"]), (width, height), points, pixels, truth)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"shown place {path}: needs object, place, image_size (2) and corners, each with point_m (3) and pixel (2); "

@@ -12,6 +12,10 @@ TABLES = {
         "The model-based tracker: accuracy, speed, disturbances, losses, recordings, time.",
         "accuracy, fig11, parts, handheld, disturbance, loss, recordings, time",
     ),
+    "servo": (
+        "Visual servoing: laws from many starts, hard cases, wrong calibration, following, lost targets, rendered runs.",
+        "starts, hard, calibration, following, loss, rendered",
+    ),
     "people": (
         "Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels.",
         "time, rooms, light, clips, pixels",

@@ -70,7 +70,8 @@ class GeometricSight(LeafSystem):
 
     Every ``period`` an exposure is taken of the true poses (RigidTransform); ``delay`` seconds later ``object_pose`` and ``hand_pose``
     (ObjectPose) speak of it, and are held; both are lost before the first. An exposure at a time within ``blind`` (from, to) [s] shows
-    nothing: both are lost. Where the believed lens is not the real one, each pose is the one whose points fit the pixels best.
+    nothing: both are lost. ``points`` (n, 3) [m] are the object's and ``hand_points`` the hand's (None: the hand is never seen): where
+    the believed lens is not the real one, each pose is the one by which they fit the pixels best.
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class GeometricSight(LeafSystem):
         points: np.ndarray,
         errors: SightErrors = SightErrors(),
         *,
+        hand_points: np.ndarray | None = None,
         lens: Lens | None = None,
         believed: Lens | None = None,
         blind: tuple[float, float] = (np.inf, np.inf),
@@ -88,7 +90,8 @@ class GeometricSight(LeafSystem):
         super().__init__()
         if (lens is None) != (believed is None):
             raise InputError("geometric sight: give both lenses, the real and the believed one, or neither")
-        self._points, self._errors, self._lens, self._believed = np.asarray(points, float), errors, lens, believed
+        self._points, self._hand_points, self._errors = np.asarray(points, float), hand_points, errors
+        self._lens, self._believed = lens, believed
         self._blind, self._seed = blind, seed
         self._bias = errors.draw(np.random.default_rng([seed, 0]), "bias")
         self._covariance = errors.covariance("noise") + errors.covariance("bias")
@@ -114,22 +117,22 @@ class GeometricSight(LeafSystem):
     def _report(self, context, state):
         held = self._held(context)
         rng = np.random.default_rng([self._seed, held.number + 1])
-        seen = [self._seen(X, held, rng) for X in (held.X_CO, held.X_CE)]
+        seen = [self._seen(X, p, held, rng) for X, p in ((held.X_CO, self._points), (held.X_CE, self._hand_points))]
         new = _Memory(held.X_CO, held.X_CE, held.time, held.number, *seen)
         state.get_mutable_abstract_state(int(self._memory)).set_value(new)
 
-    def _seen(self, X_true: np.ndarray, held: _Memory, rng: np.random.Generator) -> ObjectPose:
-        if self._blind[0] <= held.time < self._blind[1]:
+    def _seen(self, X_true: np.ndarray, points, held: _Memory, rng: np.random.Generator) -> ObjectPose:
+        if points is None or self._blind[0] <= held.time < self._blind[1]:
             return ObjectPose(time=held.time, number=held.number)
-        X = X_true if self._lens is None else self._through_lenses(X_true)
+        X = X_true if self._lens is None else self._through_lenses(X_true, points)
         error = self._bias + self._errors.draw(rng, "noise")
         X = se3.pose(se3.exp_so3(error[:3]) @ X[:3, :3], X[:3, 3] + error[3:])
         return ObjectPose(X, covariance=self._covariance, state="tracking", time=held.time, number=held.number)
 
-    def _through_lenses(self, X: np.ndarray) -> np.ndarray:
-        pixels = self._lens.project(self._points @ X[:3, :3].T + X[:3, 3])
+    def _through_lenses(self, X: np.ndarray, points: np.ndarray) -> np.ndarray:
+        pixels = self._lens.project(points @ X[:3, :3].T + X[:3, 3])
         start = se3.pose(X[:3, :3], X[:3, 3] * [1.0, 1.0, self._believed.fx / self._lens.fx])
-        return estimate_pose(self._points, pixels, self._believed, robust=False, X_CO_start=start).X_CO
+        return estimate_pose(points, pixels, self._believed, robust=False, X_CO_start=start).X_CO
 
     def _calc_object_pose(self, context, output):
         output.set_value(self._held(context).object_pose)

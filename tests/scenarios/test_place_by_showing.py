@@ -39,7 +39,7 @@ def test_taught_corners_are_where_the_camera_truly_sees_them(taught):
     place = load_shown_place(taught)
     assert (place.object, place.place, place.size) == ("milk_carton", 4, (640, 480))
     scenario = PlaceByShowing(PlaceSettings(place=4), seed=0)
-    X = se3.inverse(fixed_camera()) @ scenario._X_WO_shown
+    X = se3.inverse(fixed_camera()) @ scenario.X_WO_shown
     assert np.abs(LENS.project(place.points_O @ X[:3, :3].T + X[:3, 3]) - place.pixels).max() < 1.0
 
 

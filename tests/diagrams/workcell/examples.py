@@ -4,11 +4,10 @@ import numpy as np
 
 from vipr.diagrams.geometric_servo import GeometricServo
 from vipr.diagrams.servo_robot import Schedule, ServoRobot
-from vipr.diagrams.workcell import ACCELERATION, Workcell, WorkcellConfig, fixed_camera, puma_with_hand, standing
+from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed_camera, puma_with_hand, standing
 from vipr.models import model_path
 from vipr.systems import se3
 from vipr.systems.arm import puma560
-from vipr.systems.arm.resolved_rate import JointLimits
 from vipr.systems.servo.image_based import ImageBased
 from vipr.systems.servo.tasks import Reach
 from vipr.systems.tracking.cad_model import load_model
@@ -47,10 +46,9 @@ def geometric_servo():
     arm, X_WC, q = puma_with_hand(), fixed_camera(), puma560.NAMED["nominal"]
     corners = load_model(model_path("milk_carton/model.yaml")).corners
     truth = KinematicTruth(arm, standing((0.0, 0.0, 0.0)), X_WC=X_WC)
-    sight = GeometricSight(corners, SightErrors(lateral_noise=1e-4), seed=1)
+    sight = GeometricSight(corners, SightErrors(lateral_noise=1e-4), hand_points=corners, seed=1)
     task = Reach(X_WC, se3.pose(np.diag([1.0, -1.0, -1.0]), [0, 0, 0.3]), corners)
-    limits = JointLimits(puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION)
-    system = GeometricServo(arm, limits, q, truth, sight, task, ImageBased(), see_hand=True)
+    system = GeometricServo(arm, JOINT_LIMITS, q, truth, sight, task, ImageBased(), see_hand=True)
     return system, lambda context, t: system.get_input_port().FixValue(context, 0.01 * np.sin(np.arange(6) + t))
 
 

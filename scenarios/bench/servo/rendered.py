@@ -1,0 +1,60 @@
+"""A sample of the starts in the full workcell: rendered pictures, the real tracker, the arm's dynamics and joint servo."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from vipr.scenarios.bench.servo.trial import CLOSE_DEG, CLOSE_MM, Bench
+from vipr.scenarios.bench.tables import Table
+from vipr.scenarios.place_by_showing import PlaceByShowing
+from vipr.scenarios.run import run_scenario
+from vipr.scenarios.settings import load_settings
+from vipr.scenarios.shown_place import save_shown_place
+
+SERVOS = ("position_based", "image_based", "hybrid")
+FIGURES = ("final_translation_error_mm", "final_rotation_error_deg")
+
+
+def run(bench: Bench) -> Iterator[Table]:
+    seeds = bench.seeds(10, 1)
+    found = {servo: [] for servo in SERVOS}
+    with TemporaryDirectory() as folder:
+        for seed in seeds:
+            common = ["supersampling=1", "duration_s=5", f"place={seed}"]
+            bench.progress(f"rendered: showing place {seed}")
+            shown = Path(folder) / f"{seed}.yaml"
+            save_shown_place(PlaceByShowing(_settings(common), seed).show(), shown)
+            for servo in SERVOS:
+                bench.progress(f"rendered: {servo}, start {seed}")
+                settings = _settings([*common, f"shown={shown}", f"servo={servo}"])
+                found[servo].append(run_scenario(PlaceByShowing(settings, seed), Path(folder) / servo, video=False))
+    rows = []
+    for servo, summaries in found.items():
+        figures = [summary["figures"] for summary in summaries]
+        mm, deg = (np.array([f[name] for f in figures]) for name in FIGURES)
+        used = max(value for f in figures for name, value in f.items() if name.endswith("_used_percent"))
+        rows.append(
+            (
+                servo,
+                f"{np.count_nonzero((mm < CLOSE_MM) & (deg < CLOSE_DEG))} of {len(mm)}",
+                float(np.median(mm)),
+                float(mm.max()),
+                float(np.median(deg)),
+                float(deg.max()),
+                float(np.median([f["tracking_translation_rms_mm"] for f in figures])),
+                float(used),
+            )
+        )
+    yield Table(
+        f"A held object to where it was shown (place_by_showing), {len(seeds)} starts, rendered pictures, real tracker, arm's dynamics",
+        ("servo", "converged", "final mm", "worst", "final deg", "worst ", "tracking RMS mm", "limits used %"),
+        rows,
+        note="final: largest error of the last 0.5 s, median and worst of the starts; one pixel rendered for one. limits used: most of any "
+        "joint limit in any run.",
+    )
+
+
+def _settings(overrides: list[str]):
+    return load_settings(PlaceByShowing.settings_type, PlaceByShowing.settings_file(), overrides)
