@@ -35,11 +35,9 @@ def test_by_default_the_truth_is_known():
 def test_a_calibration_is_believed_by_the_robot_and_not_by_the_world(folder):
     settings = load_settings(AlignSettings, None, [f"calibration.folder={folder}"])
     scenario = Align(settings, seed=2)
-    assert scenario._lens.fx == pytest.approx(1.01 * LENS.fx) and scenario._X_WC[0, 3] == pytest.approx(
-        X_WC[0, 3] + 0.01
-    )
-    assert scenario._config.lens == LENS and np.array_equal(scenario._config.X_WC, X_WC)
-    assert np.array_equal(scenario._task().X_WC, scenario._X_WC)
+    assert scenario.lens.fx == pytest.approx(1.01 * LENS.fx) and scenario.X_WC[0, 3] == pytest.approx(X_WC[0, 3] + 0.01)
+    assert scenario.config.lens == LENS and np.array_equal(scenario.config.X_WC, X_WC)
+    assert np.array_equal(scenario.task().X_WC, scenario.X_WC)
 
 
 def test_errors_have_the_size_that_is_asked_for_and_the_seed_their_direction():
