@@ -17,9 +17,10 @@ from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle, surprise
-from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt, look_around
+from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt, fits_well, look_around, overrule
 from vipr.systems.tracking.texture import correlation_at
 
+DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads
 LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
 
 
@@ -157,14 +158,17 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     if belief.X_CO_given is not None:
         return acquire(sight, belief.X_CO_given)
     best = attempt(sight, X_start, keyframe, depth)
-    if (best.led_by is None and belief.agility < 1.0) or (best.led_by is not None and best.evidence.edges < 0.5):
-        # By edges alone, as many edges nearer to where the motion leads count for more; and texture that leads away from
-        # the edges may be that of a hand.
+    if best.led_by is None and belief.agility < 1.0:
+        # By edges alone, as many edges nearer to where the motion leads count for more.
         sight.expect(sight.steady)
         other = attempt(sight, sight.steady.X_CO, None, depth, near=True)
-        if other.evidence.edges > best.evidence.edges + (-0.15 if best.led_by is None else 0.2):
+        if other.evidence.edges > best.evidence.edges - 0.15:
             return other
         sight.expect(ahead)
+    elif best.led_by is not None and not fits_well(best.evidence):
+        other = overrule(sight, best, ahead, widely=belief.number % DOUBT_EVERY == 0)
+        if other is not None:
+            return other
     if best.evidence.score > 0.7 or not sight.settings.second_try:
         return best
     starts = [ahead.X_CO, belief.X_CO] if apart > 1.0 else [ahead.X_CO]
@@ -197,6 +201,8 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         motion = update(best.ahead or ahead, best.X_CO, best.covariance)
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
+    if best.against is not None:
+        keyframes = tuple(k for k in keyframes if k is not best.against)
     if best.led_by is not None:
         keyframes = _doubt(keyframes, best)
     if score > 0.8 and sight.settings.texture:
@@ -227,8 +233,7 @@ def _agility(belief: Belief, ahead: Motion, motion: Motion) -> float:
 
 def _doubt(keyframes: tuple[Keyframe, ...], best: Attempt) -> tuple[Keyframe, ...]:
     """Less confidence in the pose of a keyframe that led where the edges do not fit: they may put it right."""
-    fits = best.evidence.sigma < 1.0 and best.evidence.edges > 0.4
-    if fits:
+    if best.evidence.sigma < 1.0 and best.evidence.edges > 0.4:
         return keyframes
     weaker = replace(best.led_by, covariance=1.5 * best.led_by.covariance, trust=0.93 * best.led_by.trust)
     kept = tuple(weaker if k is best.led_by else k for k in keyframes)

@@ -12,7 +12,7 @@ from vipr.systems.tracking.diagnosis import Evidence, weigh
 from vipr.systems.tracking.displacements import corner_information, corner_shift, difference, move, normal_jacobian
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, pyramid, view_difference
-from vipr.systems.tracking.motion_filter import Motion, surprise
+from vipr.systems.tracking.motion_filter import Motion, at_rest, surprise
 from vipr.systems.tracking.normal_flow import cut_patch, find_edges
 from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose
 from vipr.systems.tracking.small_algebra import invert, solve
@@ -24,6 +24,9 @@ CLEAR = 12.0  # grey levels; much stronger edges are all alike
 GIVEN_IS_GOOD = 0.6  # score at which a pose given from outside is believed at once
 NEARBY = 12.0  # px
 SHARP_REACH = 3.0  # px
+WELL_PX, WELL_SHARE = 0.5, 0.7  # residual and share of edges of a pose that is not questioned
+OVERRULE_PX = (4.0, 8.0)  # RMS of the corners: how far from a doubtful pose others are tried
+BETTER = 0.15  # of a fit's quality: edges that fit so much better overrule a texture
 FOLLOWED = 4.0  # significance from which a texture alignment is followed
 
 
@@ -36,6 +39,7 @@ class Attempt:
     evidence: Evidence
     ahead: Motion | None = None  # the prediction that it was weighed against
     led_by: Keyframe | None = None  # whose texture led there
+    against: Keyframe | None = None  # whose texture led elsewhere, and was overruled by the edges
 
 
 class Sight:
@@ -138,6 +142,49 @@ def attempt(
         evidence = replace(evidence, unproven=sight.doubtful > 0 or view_difference(sight.X_CO_last, X_CO) > 0.25)
     covariance = invert(fit.information - information + 1e-3 * information)
     return Attempt(X_CO, covariance, evidence, sight.ahead, led_by)
+
+
+def fits_well(evidence: Evidence) -> bool:
+    """Whether the edges leave nothing to be asked."""
+    return evidence.sigma < WELL_PX and evidence.edges > WELL_SHARE
+
+
+def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attempt | None:
+    """What the edges say alone where texture led to a pose that they do not fit: blurred, it leads astray; or it is a hand's, or was
+    learnt at a wrong pose, with lines of print taken for edges. None unless the edges fit much better elsewhere: where the motion leads,
+    or, if asked to look widely, along the directions that the image shows least of.
+    """
+    sight.expect(sight.steady)
+    other = _if_better(attempt(sight, sight.steady.X_CO, None, 1, near=True), best)
+    if other is not None or not widely:
+        sight.expect(ahead)
+        return other
+    shape = corner_information(sight.model, best.X_CO, sight.lens, 1.0)
+    L = np.linalg.cholesky(shape + 1e-9 * np.diag(shape.diagonal()))
+    _, directions = np.linalg.eigh(L.T @ best.covariance @ L)  # in units of pixels of the corners
+    weakest = np.linalg.solve(L.T, directions[:, -2:]) * np.sqrt(len(sight.model.corners))
+    for step in OVERRULE_PX:
+        for way in (*weakest.T, *-weakest.T):
+            X = move(best.X_CO, step * way)
+            sight.expect(replace(ahead, X_CO=X, covariance=at_rest(X).covariance))
+            X, fit, matches, _ = edge_pass(sight, X, sight.settings.fine_reach, (3.0, 1.3), _about(sight, X, X, None))
+            if weigh(matches, fit).quality > best.evidence.quality + 0.5 * BETTER:
+                other = _if_better(attempt(sight, X, None, 0, near=True), best)
+                if other is not None:
+                    sight.expect(ahead)
+                    return other
+    sight.expect(ahead)
+    return None
+
+
+def _if_better(other, best):
+    """The other attempt if its edges fit so much better that the texture must be wrong; the keyframe is named if it is beyond doubt."""
+    close = other.evidence.sigma < WELL_PX or other.evidence.edges > WELL_SHARE
+    if not (close and other.evidence.quality > best.evidence.quality + BETTER):
+        return None
+    wrong = best.led_by if other.evidence.edges > WELL_SHARE else None
+    evidence = replace(other.evidence, texture=0.0, patches=0) if wrong is not None else other.evidence
+    return replace(other, evidence=evidence, against=wrong)
 
 
 def _recognise(sight, X_CO, information):
