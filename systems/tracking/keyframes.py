@@ -35,6 +35,7 @@ class Keyframe:
     looks: np.ndarray  # (LEVELS, M, P) samples, mean removed, length one; zero where the patch has no contrast
     gradient: np.ndarray  # (LEVELS, 2, M, P) of looks by the keyframe's level pixels along x and y
     trust: float = 1.0  # 0 to 1, probability that the pose was right
+    fit_px: float = 0.0  # residual of the edges at that pose
 
     def __len__(self):
         return len(self.p_O)
@@ -101,6 +102,7 @@ def learn_keyframe(
     count: int = 64,
     occluders_C: np.ndarray | None = None,
     trust: float = 1.0,
+    fit_px: float = 0.0,
 ) -> Keyframe | None:
     """Patches on the visible faces where the picture has most structure in two directions; None where there are too few."""
     full = pyramid_[0]
@@ -148,7 +150,7 @@ def learn_keyframe(
         gradient[:, :, clear],
     )
     R, t = X_CO[:3, :3], X_CO[:3, 3]
-    return Keyframe(X_CO, covariance, (p_C - t) @ R, normal_C @ R, axes_C @ R, looks, gradient, trust)
+    return Keyframe(X_CO, covariance, (p_C - t) @ R, normal_C @ R, axes_C @ R, looks, gradient, trust, fit_px)
 
 
 @compiled

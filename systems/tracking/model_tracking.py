@@ -17,7 +17,7 @@ from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle, surprise
-from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt, fits_well, look_around, overrule
+from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt, doubt, look_around, overrule
 from vipr.systems.tracking.texture import correlation_at
 
 DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads
@@ -158,15 +158,16 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     if belief.X_CO_given is not None:
         return acquire(sight, belief.X_CO_given)
     best = attempt(sight, X_start, keyframe, depth)
+    now_and_then = belief.number % DOUBT_EVERY == 0
     if best.led_by is None and belief.agility < 1.0:
-        # By edges alone, as many edges nearer to where the motion leads count for more.
+        # By edges alone, edges nearer to where the motion leads count for more.
         sight.expect(sight.steady)
         other = attempt(sight, sight.steady.X_CO, None, depth, near=True)
-        if other.evidence.edges > best.evidence.edges - 0.15:
+        if other.evidence.edges > best.evidence.edges - (0.15 if sight.goes_steadily(best.X_CO) else 0.3):
             return other
         sight.expect(ahead)
-    elif best.led_by is not None and not fits_well(best.evidence):
-        other = overrule(sight, best, ahead, widely=belief.number % DOUBT_EVERY == 0)
+    elif best.led_by is not None and doubt(best.evidence) > (0.0 if now_and_then else 1.0):
+        other = overrule(sight, best, ahead, widely=now_and_then)
         if other is not None:
             return other
     if best.evidence.score > 0.7 or not sight.settings.second_try:
@@ -259,6 +260,7 @@ def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, eviden
         sight.settings.patches,
         sight.occluders_C,
         evidence.by_edges if keyframes else evidence.score,
+        evidence.sigma,
     )
     return keyframes if new is None else (*keyframes[-11:], new)
 

@@ -24,9 +24,10 @@ CLEAR = 12.0  # grey levels; much stronger edges are all alike
 GIVEN_IS_GOOD = 0.6  # score at which a pose given from outside is believed at once
 NEARBY = 12.0  # px
 SHARP_REACH = 3.0  # px
+CLOSE_PX = 0.3  # residual of edges that fit closely
 WELL_PX, WELL_SHARE = 0.5, 0.7  # residual and share of edges of a pose that is not questioned
 OVERRULE_PX = (4.0, 8.0)  # RMS of the corners: how far from a doubtful pose others are tried
-BETTER = 0.15  # of a fit's quality: edges that fit so much better overrule a texture
+CLOSER, BETTER = 0.1, 0.15  # of a fit's quality: edges that fit so much better, closely or not, overrule a texture
 FOLLOWED = 4.0  # significance from which a texture alignment is followed
 
 
@@ -144,9 +145,9 @@ def attempt(
     return Attempt(X_CO, covariance, evidence, sight.ahead, led_by)
 
 
-def fits_well(evidence: Evidence) -> bool:
-    """Whether the edges leave nothing to be asked."""
-    return evidence.sigma < WELL_PX and evidence.edges > WELL_SHARE
+def doubt(evidence: Evidence) -> float:
+    """How little the edges fit where texture has led: 0 leaves nothing to be asked, above 1 is as if they were somewhere else."""
+    return max(evidence.sigma / WELL_PX, (1.0 - evidence.edges) / (1.0 - WELL_SHARE)) - 1.0
 
 
 def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attempt | None:
@@ -168,7 +169,7 @@ def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attemp
             X = move(best.X_CO, step * way)
             sight.expect(replace(ahead, X_CO=X, covariance=at_rest(X).covariance))
             X, fit, matches, _ = edge_pass(sight, X, sight.settings.fine_reach, (3.0, 1.3), _about(sight, X, X, None))
-            if weigh(matches, fit).quality > best.evidence.quality + 0.5 * BETTER:
+            if weigh(matches, fit).quality > best.evidence.quality + CLOSER:
                 other = _if_better(attempt(sight, X, None, 0, near=True), best)
                 if other is not None:
                     sight.expect(ahead)
@@ -178,12 +179,17 @@ def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attemp
 
 
 def _if_better(other, best):
-    """The other attempt if its edges fit so much better that the texture must be wrong; the keyframe is named if it is beyond doubt."""
-    close = other.evidence.sigma < WELL_PX or other.evidence.edges > WELL_SHARE
-    if not (close and other.evidence.quality > best.evidence.quality + BETTER):
+    """The other attempt if its edges fit so much better that the texture must be wrong; its keyframe is named if it is beyond doubt.
+
+    Motion blur has two edges, and one side of it may fit better than its middle: only a close fit overrules a keyframe that
+    was learnt where the edges did fit.
+    """
+    gain = other.evidence.quality - best.evidence.quality
+    close, many = other.evidence.sigma < CLOSE_PX, other.evidence.edges > WELL_SHARE
+    if not ((close and gain > CLOSER) or (many and gain > BETTER and best.led_by.fit_px > WELL_PX)):
         return None
-    wrong = best.led_by if other.evidence.edges > WELL_SHARE else None
-    evidence = replace(other.evidence, texture=0.0, patches=0) if wrong is not None else other.evidence
+    wrong = best.led_by if many else None
+    evidence = replace(other.evidence, texture=0.0, patches=0) if many else other.evidence
     return replace(other, evidence=evidence, against=wrong)
 
 
