@@ -12,12 +12,15 @@ import numpy as np
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
+from vipr.systems.tracking.acquire import acquire, look_around
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle, surprise
-from vipr.systems.tracking.search import Attempt, Sight, acquire, attempt, doubt, look_around, overrule
+from vipr.systems.tracking.overrule import doubt, overrule
+from vipr.systems.tracking.search import attempt
+from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.texture import correlation_at
 
 DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads

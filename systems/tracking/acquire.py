@@ -1,0 +1,69 @@
+"""Finding an object whose place is known roughly: a pose given from outside, or the last good one of an object that was lost."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from vipr.systems.tracking.diagnosis import weigh
+from vipr.systems.tracking.displacements import corner_information, difference
+from vipr.systems.tracking.edge_pass import edge_pass
+from vipr.systems.tracking.keyframes import choose_keyframe
+from vipr.systems.tracking.pose_fit import Prior
+from vipr.systems.tracking.search import attempt
+from vipr.systems.tracking.sight import Attempt, Sight
+from vipr.systems.tracking.small_algebra import invert
+from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
+
+GIVEN_IS_GOOD = 0.6  # score at which a pose given from outside is believed at once
+
+
+def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
+    """The first frame after a pose was given from outside.
+
+    If the edges are where the pose says, it is taken. Otherwise its error may be tens of pixels: many starts about it, and the best by a
+    margin. The pose given counts as a measurement of its own, the less the further the image is from it.
+    """
+    sight.open([X_CO_given], margin=3.0 * sight.settings.reach)
+    best = attempt(sight, X_CO_given, None, 0, near=True)
+    off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
+    believed = best.evidence.score > GIVEN_IS_GOOD and (agreement > 0.5 or best.evidence.edges > 0.8)
+    if not believed and sight.settings.start_search:
+        best = _acquire_far(sight, X_CO_given, best, agreement)
+        off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
+    X, fit, matches, _ = edge_pass(
+        sight, best.X_CO, sight.settings.fine_reach, (1.3,), Prior(off, agreement * aim), 2.0, sharp=True
+    )
+    evidence = replace(weigh(matches, fit), given=agreement)
+    return Attempt(X, invert(fit.information + 1e-3 * sight.information), evidence)
+
+
+def _agreement(sight, X_CO, X_CO_given):
+    """Displacement to the pose given, its information, and how well they agree: 1 to 0, Geman-McClure, half at some 3 px."""
+    aim = corner_information(sight.model, X_CO, sight.lens, sight.settings.initial_px)
+    off = difference(X_CO, X_CO_given)
+    return off, aim, 1.0 / (1.0 + float(off @ aim @ off) / 150.0) ** 2
+
+
+def _acquire_far(sight, X_CO_given, near, agreement):
+    """The best of the attempts from the places that a search over tens of pixels finds, and of the near one, by chamfer cost."""
+    model, lens, hidden_by = sight.model, sight.lens, sight.occluders_C
+    field = field_around(sight.image, model, lens, X_CO_given)
+    if field is None:
+        return near
+    poses = search_start(field, model, lens, X_CO_given, occluders_C=hidden_by)
+    sight.open([X_CO_given, *poses], margin=3.0 * sight.settings.reach)
+    tries = [near, *(attempt(sight, X, None, 0, near=True) for X in poses)]
+    costs = [pose_cost(field, model, lens, one.X_CO, hidden_by) for one in tries]
+    costs[0] -= 0.25 * agreement  # px: what is given and found again needs less proof
+    return tries[int(np.argmin(costs))]
+
+
+def look_around(sight: Sight, X_CO: np.ndarray) -> list[Attempt]:
+    """Attempts from the places about X_CO, tens of pixels around, whose edges look most like the object's: for one that was lost."""
+    field = field_around(sight.image, sight.model, sight.lens, X_CO)
+    if field is None:
+        return []
+    poses = search_start(field, sight.model, sight.lens, X_CO, occluders_C=sight.occluders_C)
+    sight.open([X_CO, *poses], margin=3.0 * sight.settings.reach)
+    keyframes = [choose_keyframe(sight.keyframes, X) for X in poses]
+    return [attempt(sight, X, k, 2, near=True) for X, k in zip(poses, keyframes, strict=True)]

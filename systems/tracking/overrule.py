@@ -1,0 +1,65 @@
+"""When the edges overrule a texture that leads where they do not fit."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from vipr.systems.tracking.diagnosis import Evidence, weigh
+from vipr.systems.tracking.displacements import corner_information, move
+from vipr.systems.tracking.edge_pass import about, edge_pass
+from vipr.systems.tracking.motion_filter import Motion, at_rest
+from vipr.systems.tracking.search import attempt
+from vipr.systems.tracking.sight import Attempt, Sight
+
+CLOSE_PX = 0.3  # residual of edges that fit closely
+WELL_PX, WELL_SHARE = 0.5, 0.7  # residual and share of edges of a pose that is not questioned
+OVERRULE_PX = (4.0, 8.0)  # RMS of the corners: how far from a doubtful pose others are tried
+CLOSER, BETTER = 0.1, 0.15  # of a fit's quality: edges that fit so much better, closely or not, overrule a texture
+
+
+def doubt(evidence: Evidence) -> float:
+    """How little the edges fit where texture has led: 0 leaves nothing to be asked, above 1 is as if they were somewhere else."""
+    return max(evidence.sigma / WELL_PX, (1.0 - evidence.edges) / (1.0 - WELL_SHARE)) - 1.0
+
+
+def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attempt | None:
+    """What the edges say alone where texture led to a pose that they do not fit: blurred, it leads astray; or it is a hand's, or was
+    learnt at a wrong pose, with lines of print taken for edges. None unless the edges fit much better elsewhere: where the motion leads,
+    or, if asked to look widely, along the directions that the image shows least of.
+    """
+    sight.expect(sight.steady)
+    other = _if_better(attempt(sight, sight.steady.X_CO, None, 1, near=True), best)
+    if other is not None or not widely:
+        sight.expect(ahead)
+        return other
+    shape = corner_information(sight.model, best.X_CO, sight.lens, 1.0)
+    L = np.linalg.cholesky(shape + 1e-9 * np.diag(shape.diagonal()))
+    _, directions = np.linalg.eigh(L.T @ best.covariance @ L)  # in units of pixels of the corners
+    weakest = np.linalg.solve(L.T, directions[:, -2:]) * np.sqrt(len(sight.model.corners))
+    for step in OVERRULE_PX:
+        for way in (*weakest.T, *-weakest.T):
+            X = move(best.X_CO, step * way)
+            sight.expect(replace(ahead, X_CO=X, covariance=at_rest(X).covariance))
+            X, fit, matches, _ = edge_pass(sight, X, sight.settings.fine_reach, (3.0, 1.3), about(sight, X, X, None))
+            if weigh(matches, fit).quality > best.evidence.quality + CLOSER:
+                other = _if_better(attempt(sight, X, None, 0, near=True), best)
+                if other is not None:
+                    sight.expect(ahead)
+                    return other
+    sight.expect(ahead)
+    return None
+
+
+def _if_better(other, best):
+    """The other attempt if its edges fit so much better that the texture must be wrong; its keyframe is named if it is beyond doubt.
+
+    Motion blur has two edges, and one side of it may fit better than its middle: only a close fit overrules a keyframe that
+    was learnt where the edges did fit.
+    """
+    gain = other.evidence.quality - best.evidence.quality
+    close, many = other.evidence.sigma < CLOSE_PX, other.evidence.edges > WELL_SHARE
+    if not ((close and gain > CLOSER) or (many and gain > BETTER and best.led_by.fit_px > WELL_PX)):
+        return None
+    wrong = best.led_by if many else None
+    evidence = replace(other.evidence, texture=0.0, patches=0) if many else other.evidence
+    return replace(other, evidence=evidence, against=wrong)
