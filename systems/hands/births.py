@@ -7,7 +7,7 @@ import numpy as np
 
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.measurement import body_of, hand_of, head_of
-from vipr.systems.hands.parts import HEAD, LOST_AFTER, Track, anew
+from vipr.systems.hands.parts import HEAD, LOST_AFTER, Track, born
 
 
 def give_birth(
@@ -20,13 +20,13 @@ def give_birth(
         k = _likeliest_head(free, faceless)
         if k is not None:
             r = free.pop(k)
-            tracks["face"] = _born("face", *head_of(r, labels, None, None), r, u)
+            tracks["face"] = born("face", *head_of(r, labels, None, None), r, u)
     free = _possible_hands(free, tracks.get("face"))
     tracks = _give_up_still_hands(tracks, free, tracks.get("face"))
     missing = [name for name in ("left", "right") if _missing(tracks, name)]
     for name, r in _cheapest_hands(missing, free[:3], tracks, labels.shape[1], u):
         centre, area = hand_of(r, labels, motion, None, body_of(tracks, name))
-        tracks[name] = _born(name, centre, area, r, u)
+        tracks[name] = born(name, centre, area, r, u)
     return tracks
 
 
@@ -126,13 +126,4 @@ def look_for_better_face(
     if best is None or best.headlike < max(HEAD + 0.05, now.headlike + 0.2):
         return tracks
     free.remove(best)
-    return {**tracks, "face": replace(_born("face", *head_of(best, labels, None, None), best, u), hits=face.hits)}
-
-
-def _born(name: str, centre, area: float, r: Candidate, u: float) -> Track:
-    return Track(
-        anew(name, centre, u),
-        max(area, 1.0),
-        headlike=r.headlike,
-        life=r.moving,
-    )
+    return {**tracks, "face": replace(born("face", *head_of(best, labels, None, None), best, u), hits=face.hits)}

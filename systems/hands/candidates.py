@@ -28,16 +28,19 @@ def candidates(regions: SkinRegions, tracks: dict) -> list[Candidate]:
     s = regions.scale
     held = {int(regions.labels[int(t.filter.y + 0.5), int(t.filter.x + 0.5)]) - 1 for t in tracks.values()}
     rows = [i for i in range(len(regions.areas)) if regions.person[i] > 0.25 or i in held]
-    likely = [i for i in rows if regions.person[i] > 0.5 and regions.areas[i] > 0.05 * regions.areas[rows].max()]
-    largest = max((regions.areas[i] for i in likely), default=1.0)
+    evidence = np.clip(2.0 * (regions.person - 0.25), 0.0, 1.0)
+    large = regions.areas > 0.05 * max((regions.areas[i] for i in rows), default=0.0)
+    largest = max((regions.areas[i] for i in rows if evidence[i] > 0.3), default=1.0)
     found = []
     for i in rows:
-        below = [regions.centres[j, 1] > regions.centres[i, 1] for j in likely if j != i]
+        others = [j for j in rows if j != i and large[j]]
+        below = sum(evidence[j] for j in others if regions.centres[j, 1] > regions.centres[i, 1])
+        topmost = (0.15 + below) / (0.3 + sum(evidence[j] for j in others))
         core = np.array([*((regions.cores[i, :2] + 0.5) / s - 0.5), regions.cores[i, 2] / s])
         area = regions.areas[i] / s**2
         spill = area / (np.pi * max(core[2], 1.0) ** 2)  # 1 for a disc, about 1.4 for a head, 2.5 for an open hand
         head = (
-            0.75 * regions.faceness[i] + 0.1 * np.clip((3.2 - spill) / 1.5, 0, 1) + 0.15 * (np.mean(below) if below else 0.5)
+            0.75 * regions.faceness[i] + 0.1 * np.clip((3.2 - spill) / 1.5, 0, 1) + 0.15 * topmost
             + 0.1 * min(1.0, regions.areas[i] / largest)
         )  # fmt: skip
         head -= 0.3 * _enters(regions.labels, i, core)

@@ -2,35 +2,42 @@
 
 import numpy as np
 
-from vipr.systems.hands.parts import HEAD
+from vipr.systems.hands.candidates import Candidate
+from vipr.systems.hands.measurement import head_of
+from vipr.systems.hands.parts import HEAD, born
 
 MIND_SIDES = 0.6  # s on the wrong sides, beyond those on the right ones, after which hands exchange names
 
 
-def settle_face(tracks: dict, rival: float, dt: float) -> tuple[dict, float]:
-    """Exchange face and a hand that has looked more like a face for a while."""
+def settle_face(tracks: dict, free: list[Candidate], labels, rival: float, dt: float, u: float) -> tuple[dict, float]:
+    """The face where something else has looked more like one for a while: exchanged with a hand, or moved to a region that is nobody's."""
     face = tracks.get("face")
-    hands = {n: t for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared}
-    if not hands or (face is not None and face.shared):
+    if face is not None and face.shared:
         return tracks, max(0.0, rival - dt)
-    name = max(hands, key=lambda n: hands[n].headlike)
-    better = hands[name].headlike > (HEAD if face is None else face.headlike + 0.12)
+    looks = {n: t.headlike for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared}
+    looks |= {k: r.headlike for k, r in enumerate(free) if r.person > 0.25 and not r.remnant}
+    best = max(looks, key=looks.get, default=None)
+    enough = HEAD if face is None or face.unseen > 0 else max(face.headlike + 0.12, 0.8 * HEAD)
     step = min(dt, 0.06)
-    rival = rival + step if better else max(0.0, rival - 2 * step)
+    rival = rival + step if best is not None and looks[best] > enough else max(0.0, rival - 2 * step)
     if rival < 0.3:
         return tracks, rival
     tracks = dict(tracks)
-    promoted = tracks.pop(name)
-    if face is not None and face.unseen == 0:
-        tracks[name] = face
-    tracks["face"] = promoted
-    return tracks, 0.0
+    if best in tracks:
+        promoted = tracks.pop(best)
+        if face is not None and face.unseen == 0:
+            tracks[best] = face
+    else:
+        r = free[best]
+        tracks = {n: t for n, t in tracks.items() if labels[int(t.filter.y + 0.5), int(t.filter.x + 0.5)] != r.row + 1}
+        promoted = born("face", *head_of(r, labels, None, None), r, u)
+    return {**tracks, "face": promoted}, 0.0
 
 
 def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict, float]:
     """Exchange the names of hands that have been on the wrong sides for longer than on their own; a new hand has no history."""
     hands = {n: tracks[n] for n in ("left", "right") if n in tracks and tracks[n].unseen == 0 and not tracks[n].shared}
-    if any(t.hits <= 1 for t in hands.values()):
+    if any(t.hits <= 1 for t in hands.values()) or any(tracks[n].shared and tracks[n].met for n in ("left", "right") if n in tracks):
         order = min(order, 0.0)
     face = tracks.get("face")
     if len(hands) == 2:
@@ -41,7 +48,7 @@ def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict,
         apart = np.sign(apart) * max(0.0, abs(apart) - 0.6 * width / u)
     else:
         return tracks, order
-    patience = MIND_SIDES * (4.0 if any(t.met for t in hands.values()) else 1.0)
+    patience = MIND_SIDES * (3.0 if any(t.met for t in hands.values()) else 1.0)
     order = float(np.clip(order + dt * np.clip(apart / 10.0, -1.0, 1.0), -patience, 6.0))
     if order > -patience:
         return tracks, order

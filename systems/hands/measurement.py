@@ -35,8 +35,8 @@ def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, 
         far = np.hypot(*(centre - expected)) > (GATE[name][0] + GATE[name][1] * dt) * u
         f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, SIGMA_N * u)
         rate = 0.15
-        slow = 1.0 if r.area > 1.7 * area else 0.25  # s
-        look = t.headlike if r.remnant or r.cut else t.headlike + (1 - np.exp(-dt / slow)) * (r.headlike - t.headlike)
+        slow = 2.0 if r.cut else 1.0 if r.area > 1.7 * area else 0.25  # s
+        look = t.headlike if r.remnant else t.headlike + (1 - np.exp(-dt / slow)) * (r.headlike - t.headlike)
         out[name] = Track(
             f, t.area + rate * (area - t.area), 0.0, t.hits + 1, look, max(r.moving, t.life * 0.5 ** (dt / LIFE)), met=t.met
         )  # fmt: skip

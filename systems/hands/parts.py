@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vipr.systems.hands import kalman
+from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.kalman import Kalman
 
 PARTS = ("face", "left", "right")
@@ -49,3 +50,8 @@ class Track:
 def anew(name: str, centre, u: float) -> Kalman:
     """A filter that starts at a place, with no velocity; ``u`` is the size of a pixel of 160 x 120."""
     return kalman.start(*(float(c) for c in centre), SIGMA_N * u, SIGMA_V[name] * u)
+
+
+def born(name: str, centre, area: float, r: Candidate, u: float) -> Track:
+    """The track of a part that was found in a region."""
+    return Track(anew(name, centre, u), max(area, 1.0), headlike=r.headlike, life=r.moving)

@@ -72,8 +72,9 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     )
     tracks = give_birth(tracks, free, labels, regions.motion, belief.faceless, u)
     faceless = 0.0 if "face" in tracks and tracks["face"].unseen == 0 else belief.faceless + min(dt, 0.06)
-    tracks, rival = settle_face(tracks, belief.rival, dt)
-    tracks, order = settle_sides(tracks, belief.order, dt, u)
+    tracks, rival = settle_face(tracks, free, labels, belief.rival, dt, u)
+    moved = rival == 0.0 and belief.rival > 0.2  # about another face, hands have other sides
+    tracks, order = settle_sides(tracks, 0.0 if moved else belief.order, dt, u)
     return TracksBelief(tuple(tracks.items()), rival, order, faceless, _report(tracks, regions))
 
 

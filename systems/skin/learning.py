@@ -21,9 +21,8 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
     if options.still_scene or options.adapt:
         kept = on_person
         if tracks is not None:
-            kept = _followed(labels, tracks, scale) | _person_pixels(
-                labels, np.where(found.faceness > 0.25, found.person, 0.0)
-            )
+            facelike = (found.faceness > 0.2) & (found.person > 0.3)
+            kept = _followed(labels, tracks, scale) | _person_pixels(labels, facelike)
         still = scene.settle(still, colours.pixels, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
     if not options.adapt:
         return still, model
@@ -34,10 +33,17 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
         x, y, r = found.cores[best]
         ellipse = np.zeros_like(skin)
         cv2.ellipse(ellipse, (round(x), round(y)), (max(1, round(0.95 * r)), max(1, round(1.2 * r))), 0, 0, 360, 1, -1)
-        sample |= (ellipse > 0) & (labels == best + 1) & (skin > 40)
+        face = (ellipse > 0) & (labels == best + 1) & (skin > 40) & bright
+        sample = face | (sample & (lookup(_like(histogram(colours.index[face])), colours.index) > 0))
         trust = float(np.clip(found.faceness[best] / 0.4, 0.6, 1.0))
     rest = histogram_of_rest(colours, bright & ~person, still)
     return still, colour_model.adapt(model, histogram(colours.index[sample & bright]), rest, dt, trust)
+
+
+def _like(face: np.ndarray) -> np.ndarray:
+    """Table (R_BINS, G_BINS) uint8, 1 at colours near those in the histogram of a face: hands are much like it, sleeves seldom."""
+    near = cv2.GaussianBlur(face, (0, 0), 3.0)
+    return (near > 0.02 * near.max()).astype(np.uint8)
 
 
 def histogram_of_rest(colours: Chromaticity, outside: np.ndarray, still: Scene) -> np.ndarray:
