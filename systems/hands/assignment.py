@@ -20,7 +20,7 @@ COST_UNSEEN, COST_SHARED = 14.0, 7.0
 
 def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, u: float) -> dict:
     """{part: index of its region or None} of least cost; a region may be shared at a price."""
-    names = list(tracks)
+    names, face = list(tracks), tracks.get("face")
     options = []
     for name in names:
         t, costs = tracks[name], {None: (COST_UNSEEN, True)}
@@ -53,11 +53,12 @@ def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, 
         if any(i in shared and not deep for i, (_, deep) in combination):
             continue  # only a part that lies in a region can share it
         cost = sum(c for _, (c, _) in combination) + COST_SHARED * (len(taken) - len(set(taken)))
-        face_on = dict(zip(names, (i for i, _ in combination), strict=True)).get("face")
-        cost += sum(
-            10.0 for name, (i, _) in zip(names, combination, strict=True)
-            if name != "face" and i is not None and i != face_on and found[i].headlike > HEAD + 0.07 and "face" in tracks
-        )  # fmt: skip
+        if face is not None:  # a hand does not move onto what looks like a face
+            cost += 10.0 * sum(
+                i not in (None, combination[names.index("face")][0]) and found[i].headlike > HEAD + 0.07
+                for name, (i, _) in zip(names, combination, strict=True)
+                if not (tracks[name].shared and not face.shared)
+            )
         for i in shared:
             together = sum(tracks[name].area for name, (j, _) in zip(names, combination, strict=True) if j == i)
             cost += 4.0 * max(0.0, np.log(together / max(found[i].area, 1.0)) - 0.3)
