@@ -57,7 +57,7 @@ def _possible_hands(free: list[Candidate], face: Track | None) -> list[Candidate
         def possible(r):
             dx, dy = (r.centre[0] - face.filter.x) / radius, (r.centre[1] - face.filter.y) / radius
             neck = abs(dx) < 1.0 and 0.0 < dy < 3.6 and r.moving < 0.3
-            still = r.person <= 0.5
+            still = r.person <= 0.5 or r.moving < 0.1
             if neck or r.headlike > HEAD + 0.07 or (r.remnant and r.moving < 0.3) or (still and r.person < 0.28):
                 return False
             size = 0.15 * face.area < r.area < (3.0 if still else 6.0) * face.area
@@ -121,7 +121,12 @@ def look_for_better_face(
     if face is None or now is None or now.cut or face.shared:
         return tracks
     reach = 6.0 * np.sqrt(face.area / np.pi)
-    near = [r for r in free if np.hypot(r.centre[0] - face.filter.x, r.centre[1] - face.filter.y) < reach]
+    near = [
+        r
+        for r in free
+        if r.core[2] > 0.5 * face.head_radius
+        and np.hypot(r.centre[0] - face.filter.x, r.centre[1] - face.filter.y) < reach
+    ]
     best = max(near, key=lambda r: r.headlike, default=None)
     if best is None or best.headlike < max(HEAD + 0.05, now.headlike + 0.2):
         return tracks

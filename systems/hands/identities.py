@@ -15,7 +15,8 @@ def settle_face(tracks: dict, free: list[Candidate], labels, rival: float, dt: f
     if face is not None and face.shared:
         return tracks, max(0.0, rival - dt)
     looks = {n: t.headlike for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared}
-    looks |= {k: r.headlike for k, r in enumerate(free) if r.person > 0.25 and not r.remnant}
+    smallest = 0.0 if face is None else 0.5 * face.head_radius
+    looks |= {k: r.headlike for k, r in enumerate(free) if r.person > 0.25 and not r.remnant and r.core[2] > smallest}
     best = max(looks, key=looks.get, default=None)
     enough = HEAD if face is None or face.unseen > 0 else max(face.headlike + 0.12, 0.8 * HEAD)
     step = min(dt, 0.06)
@@ -37,7 +38,9 @@ def settle_face(tracks: dict, free: list[Candidate], labels, rival: float, dt: f
 def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict, float]:
     """Exchange the names of hands that have been on the wrong sides for longer than on their own; a new hand has no history."""
     hands = {n: tracks[n] for n in ("left", "right") if n in tracks and tracks[n].unseen == 0 and not tracks[n].shared}
-    if any(t.hits <= 1 for t in hands.values()) or any(tracks[n].shared and tracks[n].met for n in ("left", "right") if n in tracks):
+    if any(t.hits <= 1 for t in hands.values()) or any(
+        tracks[n].shared and tracks[n].met for n in ("left", "right") if n in tracks
+    ):
         order = min(order, 0.0)
     face = tracks.get("face")
     if len(hands) == 2:

@@ -56,7 +56,12 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     u = float(np.sqrt(shape[0] * shape[1] / 19200.0))
     dt = float(np.clip(regions.time - belief.output.time, 1e-3, 0.5)) if belief.output.number >= 0 else 0.04
     tracks = {
-        name: replace(t, filter=_within(kalman.predict(t.filter, dt, SIGMA_W[name] * (0.4 if t.shared else 1.0) * u, _damping(t, dt)), shape))
+        name: replace(
+            t,
+            filter=_within(
+                kalman.predict(t.filter, dt, SIGMA_W[name] * (0.4 if t.shared else 1.0) * u, _damping(t, dt)), shape
+            ),
+        )
         for name, t in belief.parts
     }
     found = candidates(regions, tracks)
