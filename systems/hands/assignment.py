@@ -6,7 +6,7 @@ import numpy as np
 
 from vipr.systems.hands import kalman
 from vipr.systems.hands.candidates import Candidate
-from vipr.systems.hands.parts import HEAD, SIGMA_N
+from vipr.systems.hands.parts import HEAD, SIGMA_N, in_neck
 
 GATE2 = 20.0  # squared Mahalanobis distance
 # px and px/s at 160 x 120: no part moves farther in a frame
@@ -43,6 +43,8 @@ def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, 
                 cost += 2.5 * max(0.0, 0.5 * t.life - r.moving)
                 if (r.core[2] < 1.35 * u or r.area < 0.3 * t.area) and not r.remnant:
                     continue  # a thin line is no hand, nor a speck
+                if r.remnant and face is not None and in_neck(r, face, 0.15):
+                    continue
             if min(d2, inside2) < GATE2 and min(gap, centre_gap) < gate and cost < COST_UNSEEN + 4.0:
                 costs[i] = cost, deep
         options.append(sorted(costs.items(), key=lambda kv: kv[1][0])[:4])

@@ -7,7 +7,7 @@ import numpy as np
 
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.measurement import body_of, hand_of, head_of
-from vipr.systems.hands.parts import HEAD, LOST_AFTER, Track, born
+from vipr.systems.hands.parts import HEAD, LOST_AFTER, Track, born, in_neck
 
 
 def give_birth(
@@ -56,7 +56,7 @@ def _possible_hands(free: list[Candidate], face: Track | None) -> list[Candidate
 
         def possible(r):
             dx, dy = (r.centre[0] - face.filter.x) / radius, (r.centre[1] - face.filter.y) / radius
-            neck = abs(dx) < 1.0 and 0.0 < dy < 3.6 and r.moving < 0.3
+            neck = in_neck(r, face, 0.3)
             still = r.person <= 0.5 or r.moving < 0.1
             if neck or r.headlike > HEAD + 0.07 or (r.remnant and r.moving < 0.3) or (still and r.person < 0.28):
                 return False

@@ -55,3 +55,9 @@ def anew(name: str, centre, u: float) -> Kalman:
 def born(name: str, centre, area: float, r: Candidate, u: float) -> Track:
     """The track of a part that was found in a region."""
     return Track(anew(name, centre, u), max(area, 1.0), headlike=r.headlike, life=r.moving)
+
+
+def in_neck(r: Candidate, face: Track, still: float) -> bool:
+    """Whether a region is where the neck and collar of the face are, and less than ``still`` of it moves."""
+    dx, dy = (r.centre - face.position) / face.head_radius
+    return bool(abs(dx) < 1.0 and 0.0 < dy < 3.6 and r.moving < still)

@@ -44,7 +44,7 @@ def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, luma: np.n
     likely = np.flatnonzero(known < 0.8)[:4]  # regions come by falling area
     if len(likely):
         small = np.sqrt(labels.size / 19200.0)  # a few pixels may look like anything
-        sharp = np.clip((cores[likely, 2] / small - 2.0) / 3.0, 0.0, 1.0)
+        sharp = np.clip((cores[likely, 2] / small - 1.5) / 2.5, 0.0, 1.0)
         faceness[likely] = sharp * np.clip(face_marks(luma, cores[likely]), 0.0, 1.0)
     person = 1.0 / (1.0 + np.exp(-(4.0 * alive + 3.0 * faceness - 3.0 * known - 0.8)))
     return Found(centres, mass, person, faceness, cores, moving)
