@@ -4,7 +4,7 @@ A signal is a frozen dataclass. Its arrays are made read-only when it is built a
 a reader cannot corrupt a cached output and a context clone copies no images. ``Value(Signal())`` is a port's model value.
 """
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,8 +13,7 @@ class Signal:
     """Base of all signals: read-only arrays, no copies."""
 
     def __post_init__(self):
-        for f in fields(self):
-            value = getattr(self, f.name)
+        for value in vars(self).values():
             if isinstance(value, np.ndarray) and value.flags.writeable:
                 value.setflags(write=False)
 

@@ -1,12 +1,13 @@
 """Which region each part is in: the cheapest of all gated assignments; a region may be shared at a price."""
 
+import math
 from itertools import product
 
 import numpy as np
 
 from vipr.systems.hands import kalman
 from vipr.systems.hands.candidates import Candidate
-from vipr.systems.hands.parts import HEAD, SIGMA_N, in_neck
+from vipr.systems.hands.parts import HEAD, SIGMA_N, Track, in_neck
 
 GATE2 = 20.0  # squared Mahalanobis distance
 # px and px/s at 160 x 120: no part moves farther in a frame
@@ -22,58 +23,80 @@ def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, 
     """{part: index of its region or None} of least cost; a region may be shared at a price."""
     names, face = list(tracks), tracks.get("face")
     options = []
-    for name in names:
-        t, costs = tracks[name], {None: (COST_UNSEEN, True)}
-        radius, gate = np.sqrt(t.area / np.pi), (GATE[name][0] + GATE[name][1] * dt + 60.0 * min(t.unseen, 0.5)) * u
-        for i, r in enumerate(found):
-            # A merged or slender region's centre is far from its part: the nearer of centre and box counts, at a price.
-            d2 = kalman.distance2(t.filter, *r.centre, SIGMA_N * u)
-            gap = _gap(r, labels, t.filter.x, t.filter.y, gate)
-            gap = max(0.0, gap - 0.3 * radius)
-            deep = gap < 2.5 * u
-            inside2 = gap**2 / (t.filter.pp + (SIGMA_N * u) ** 2) + 3.0
-            centre_gap = np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y)
-            size = np.log(max(r.area, 1.0) / max(t.area, 1.0))
-            look = 8.0 * max(0.0, (t.headlike - r.headlike if name == "face" else r.headlike - t.headlike) - 0.2)
-            cost = min(
-                d2 + 1.5 * abs(size) + look, inside2 + 1.5 * max(0.0, -size) + look * (1.0 if name == "face" else 0.3)
-            )
-            cost += 3.0 * max(0.0, 0.5 - r.person)
-            if name != "face":
-                cost += 2.5 * max(0.0, 0.5 * t.life - r.moving)
-                if (r.core[2] < 1.35 * u or r.area < 0.3 * t.area) and not r.remnant:
-                    continue  # a thin line is no hand, nor a speck
-                if r.remnant and face is not None and in_neck(r, face, 0.15):
-                    continue
-            if min(d2, inside2) < GATE2 and min(gap, centre_gap) < gate and cost < COST_UNSEEN + 4.0:
-                costs[i] = cost, deep
-        options.append(sorted(costs.items(), key=lambda kv: kv[1][0])[:4])
-    best, chosen = np.inf, ()
+    for name, t in tracks.items():
+        prices = ((i, _price(name, t, r, face, labels, dt, u)) for i, r in enumerate(found))
+        near = sorted(((cost, i, deep) for i, (cost, deep) in prices if cost < COST_UNSEEN + 4.0))
+        options.append(sorted([(COST_UNSEEN, None, True), *near], key=lambda option: option[0])[:4])
+    best, chosen = math.inf, ()
     for combination in product(*options):
-        taken = [i for i, _ in combination if i is not None]
-        shared = {i for i in taken if taken.count(i) > 1}
-        if any(i in shared and not deep for i, (_, deep) in combination):
-            continue  # only a part that lies in a region can share it
-        cost = sum(c for _, (c, _) in combination) + COST_SHARED * (len(taken) - len(set(taken)))
-        if face is not None:  # a hand does not move onto what looks like a face
-            cost += 10.0 * sum(
-                i not in (None, combination[names.index("face")][0]) and found[i].headlike > HEAD + 0.07
-                for name, (i, _) in zip(names, combination, strict=True)
-                if not (tracks[name].shared and not face.shared)
-            )
-        for i in shared:
-            together = sum(tracks[name].area for name, (j, _) in zip(names, combination, strict=True) if j == i)
-            cost += 4.0 * max(0.0, np.log(together / max(found[i].area, 1.0)) - 0.3)
+        cost = sum(option[0] for option in combination)
+        if cost >= best:
+            continue
+        regions = [i for _, i, _ in combination]
+        cost += _together(regions, [deep for *_, deep in combination], names, tracks, found)
+        if face is not None and cost < best:
+            cost += _on_faces(regions, names, tracks, found)
         if cost < best:
-            best, chosen = cost, tuple(i for i, _ in combination)
+            best, chosen = cost, regions
     return dict(zip(names, chosen, strict=True))
+
+
+def _price(
+    name: str, t: Track, r: Candidate, face: Track | None, labels: np.ndarray, dt: float, u: float
+) -> tuple[float, bool]:
+    """What it costs that a part is in a region, infinite where it cannot be; and whether it lies deep in it, so that it may share it.
+
+    A merged or slender region's centre is far from its part: the nearer of centre and outline counts, at a price.
+    """
+    if name != "face":
+        if (r.core[2] < 1.35 * u or r.area < 0.3 * t.area) and not r.remnant:
+            return math.inf, False  # a thin line is no hand, nor a speck
+        if r.remnant and face is not None and in_neck(r, face, 0.15):
+            return math.inf, False
+    x, y = t.filter.x, t.filter.y
+    gate = (GATE[name][0] + GATE[name][1] * dt + 60.0 * min(t.unseen, 0.5)) * u
+    gap = max(0.0, _gap(r, labels, x, y, gate) - 0.3 * math.sqrt(t.area / math.pi))
+    centre = kalman.distance2(t.filter, *r.centre, SIGMA_N * u)
+    inside = gap**2 / (t.filter.pp + (SIGMA_N * u) ** 2) + 3.0
+    if min(centre, inside) >= GATE2 or min(gap, math.hypot(r.centre[0] - x, r.centre[1] - y)) >= gate:
+        return math.inf, False
+    size = math.log(max(r.area, 1.0) / max(t.area, 1.0))
+    look = 8.0 * max(0.0, (t.headlike - r.headlike if name == "face" else r.headlike - t.headlike) - 0.2)
+    cost = min(
+        centre + 1.5 * abs(size) + look, inside + 1.5 * max(0.0, -size) + look * (1.0 if name == "face" else 0.3)
+    )
+    cost += 3.0 * max(0.0, 0.5 - r.person)
+    if name != "face":
+        cost += 2.5 * max(0.0, 0.5 * t.life - r.moving)
+    return float(cost), gap < 2.5 * u
+
+
+def _together(regions: list, deep: list[bool], names: list[str], tracks: dict, found: list[Candidate]) -> float:
+    """The price of sharing regions: only parts that lie in a region can, and better in one that is large enough for all."""
+    cost = 0.0
+    for i in {i for i in regions if i is not None and regions.count(i) > 1}:
+        sharers = [k for k, j in enumerate(regions) if j == i]
+        if not all(deep[k] for k in sharers):
+            return math.inf
+        area = sum(tracks[names[k]].area for k in sharers)
+        cost += COST_SHARED * (len(sharers) - 1) + 4.0 * max(0.0, math.log(area / max(found[i].area, 1.0)) - 0.3)
+    return cost
+
+
+def _on_faces(regions: list, names: list[str], tracks: dict, found: list[Candidate]) -> float:
+    """The price of hands on what looks like a face but is not the face's region; hands that already share it may."""
+    own, face = regions[names.index("face")], tracks["face"]
+    return 10.0 * sum(
+        i is not None and i != own and found[i].headlike > HEAD + 0.07 and (face.shared or not tracks[name].shared)
+        for name, i in zip(names, regions, strict=True)
+    )
 
 
 def _gap(r: Candidate, labels: np.ndarray, x: float, y: float, most: float) -> float:
     """Distance [px] of a point from a region, 0 inside; that from its box where it is more than ``most``."""
     dx = max(r.box[0] - x, 0.0, x - r.box[0] - r.box[2])
     dy = max(r.box[1] - y, 0.0, y - r.box[1] - r.box[3])
-    gap = float(np.hypot(dx, dy))
+    gap = math.hypot(dx, dy)
     if gap > most or labels[int(y + 0.5), int(x + 0.5)] == r.row + 1:
         return gap
     x0, y0, w, h = r.box.astype(int)

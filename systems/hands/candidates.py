@@ -25,31 +25,30 @@ class Candidate:
 
 def candidates(regions: SkinRegions, tracks: dict) -> list[Candidate]:
     """Regions that may be of the person, in pixels of the labels."""
-    s = regions.scale
     held = {int(regions.labels[int(t.filter.y + 0.5), int(t.filter.x + 0.5)]) - 1 for t in tracks.values()}
-    rows = [i for i in range(len(regions.areas)) if regions.person[i] > 0.25 or i in held]
-    evidence = np.clip(2.0 * (regions.person - 0.25), 0.0, 1.0)
-    large = regions.areas > 0.05 * max((regions.areas[i] for i in rows), default=0.0)
-    largest = max((regions.areas[i] for i in rows if evidence[i] > 0.3), default=1.0)
-    found = []
-    for i in rows:
-        others = [j for j in rows if j != i and large[j]]
-        below = sum(evidence[j] for j in others if regions.centres[j, 1] > regions.centres[i, 1])
-        topmost = (0.15 + below) / (0.3 + sum(evidence[j] for j in others))
-        core = np.array([*((regions.cores[i, :2] + 0.5) / s - 0.5), regions.cores[i, 2] / s])
-        area = regions.areas[i] / s**2
-        spill = area / (np.pi * max(core[2], 1.0) ** 2)  # 1 for a disc, about 1.4 for a head, 2.5 for an open hand
-        head = (
-            0.75 * regions.faceness[i] + 0.1 * np.clip((3.2 - spill) / 1.5, 0, 1) + 0.15 * topmost
-            + 0.1 * min(1.0, regions.areas[i] / largest)
-        )  # fmt: skip
-        head -= 0.3 * _enters(regions.labels, i, core)
-        centre = (regions.centres[i] + 0.5) / s - 0.5
-        moving = float(regions.moving[i])
-        found.append(
-            Candidate(i, centre, area, regions.boxes[i] / s, core, regions.person[i], float(head), moving=moving)
+    rows = [i for i, person in enumerate(regions.person.tolist()) if person > 0.25 or i in held]
+    if not rows:
+        return []
+    s, person = regions.scale, regions.person[rows]
+    centres, areas = (regions.centres[rows] + 0.5) / s - 0.5, regions.areas[rows] / s**2
+    cores = (regions.cores[rows] + (0.5, 0.5, 0.0)) / s - (0.5, 0.5, 0.0)
+    evidence = np.minimum(np.maximum(2.0 * (person - 0.25), 0.0), 1.0)
+    largest = max(areas[evidence > 0.3], default=1.0)
+    # Heads are above the rest, compact (the ratio is 1 for a disc, about 1.4 for a head, 2.5 for an open hand) and large.
+    weight = evidence * (areas > 0.05 * areas.max())
+    below = (centres[:, 1] > centres[:, 1][:, None]) @ weight
+    topmost = (0.15 + below) / (0.3 + weight.sum() - weight)
+    spill = areas / (np.pi * np.maximum(cores[:, 2], 1.0) ** 2)
+    compact = np.minimum(np.maximum((3.2 - spill) / 1.5, 0.0), 1.0)
+    head = 0.75 * regions.faceness[rows] + 0.1 * compact + 0.15 * topmost + 0.1 * np.minimum(1.0, areas / largest)
+    boxes = regions.boxes[rows] / s
+    return [
+        Candidate(
+            i, centres[k], float(areas[k]), boxes[k], cores[k], float(person[k]),
+            float(head[k]) - 0.3 * _enters(regions.labels, i, cores[k]), moving=float(regions.moving[i]),
         )
-    return found
+        for k, i in enumerate(rows)
+    ]  # fmt: skip
 
 
 def _enters(labels: np.ndarray, row: int, core: np.ndarray) -> bool:

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -95,8 +95,7 @@ def see_skin(
             model, colours, skin, labels, found, still, tracks if not cut else None, scale, since, options
         )
         mark("learning")
-    regions = _regions(found, labels, boxes, still, scale, image.shape)
-    regions = replace(regions, cut=cut, time=time, number=number)
+    regions = _regions(found, labels, boxes, still, scale, image.shape, cut=cut, time=time, number=number)
     return SkinBelief(model, still, gains, regions, learned)
 
 
@@ -107,7 +106,9 @@ def _moving(skin: np.ndarray, colours: Chromaticity, still: Scene) -> np.ndarray
     return cv2.convertScaleAbs(p * (1 + boost) / (1 + p * boost / 255.0))
 
 
-def _regions(found: Found, labels: np.ndarray, boxes: np.ndarray, still: Scene, scale: float, shape) -> SkinRegions:
+def _regions(
+    found: Found, labels: np.ndarray, boxes: np.ndarray, still: Scene, scale: float, shape, **when
+) -> SkinRegions:
     """What was found as a signal, in pixels of the frame, by falling evidence."""
     order = np.argsort(-found.person * np.sqrt(found.areas), kind="stable")
     rename = np.zeros(256, np.uint8)
@@ -125,4 +126,5 @@ def _regions(found: Found, labels: np.ndarray, boxes: np.ndarray, still: Scene, 
         motion=cv2.convertScaleAbs(still.motion, alpha=255.0),
         scale=scale,
         size=(shape[1], shape[0]),
+        **when,
     )

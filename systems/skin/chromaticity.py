@@ -12,6 +12,11 @@ R_BINS, G_BINS = 96, 64  # of a table over r and g
 R_LOW, G_LOW, STEP = 0.15, 0.10, 1.0 / 160.0  # r from 0.15 to 0.75, g from 0.10 to 0.50
 WHITE = np.ones(3)  # gains of B, G, R that leave an image alone
 _SUM = np.ones((1, 3), np.float32)
+_BRIGHT = np.array([[1, 1, 1, 1e-3]], np.float32)  # never zero
+_NUMERATORS = (
+    np.array([[-R_LOW, -R_LOW, 1 - R_LOW]], np.float32) / STEP,
+    np.array([[-G_LOW, 1 - G_LOW, -G_LOW]], np.float32) / STEP,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +32,11 @@ def chromaticity(image: np.ndarray, gains: np.ndarray = WHITE) -> Chromaticity:
     """Table indices of r and g of image (h, w, 3) BGR uint8, after the channels are multiplied by ``gains`` (3,)."""
     raw = image.astype(np.float32)
     total = cv2.transform(raw, _SUM)
-    pixels = raw if gains is WHITE else raw * np.asarray(gains, np.float32)
-    # (r - R_LOW) / STEP = (R - R_LOW (R + G + B)) / (STEP (R + G + B)): linear numerators, one division.
-    numerators = np.array([[-G_LOW, 1 - G_LOW, -G_LOW], [-R_LOW, -R_LOW, 1 - R_LOW]], np.float32) / STEP
-    bright = cv2.transform(pixels, np.ones((2, 3), np.float32)) + np.float32(1e-3)
-    bins = cv2.divide(cv2.transform(pixels, numerators), bright, dtype=cv2.CV_8U)
-    return Chromaticity(bins.view(np.uint16)[:, :, 0], total, pixels)
+    pixels = raw if gains is WHITE else cv2.transform(raw, np.diag(gains).astype(np.float32))
+    # (r - R_LOW) / STEP = (R - R_LOW (R + G + B)) / (STEP (R + G + B)): linear numerators, one division each.
+    bright = cv2.transform(pixels, _BRIGHT)  # one channel out at a time: that is what OpenCV is fast at
+    r, g = (cv2.divide(cv2.transform(pixels, numerator), bright, dtype=cv2.CV_8U) for numerator in _NUMERATORS)
+    return Chromaticity(cv2.merge([g, r]).view(np.uint16)[:, :, 0], total, pixels)
 
 
 def bin_centres() -> tuple[np.ndarray, np.ndarray]:

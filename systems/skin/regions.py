@@ -41,11 +41,12 @@ def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, luma: np.n
     moving = np.bincount(region, scene.motion.ravel()[index], n) / count
     cores = find_cores(labels, boxes)
     faceness = np.zeros(n)
-    likely = np.flatnonzero(known < 0.8)[:4]  # regions come by falling area
+    sharp = np.clip(
+        (cores[:, 2] / np.sqrt(labels.size / 19200.0) - 1.5) / 2.5, 0.0, 1.0
+    )  # few pixels look like anything
+    likely = np.flatnonzero((known < 0.8) & (sharp > 0.0))[:4]  # regions come by falling area
     if len(likely):
-        small = np.sqrt(labels.size / 19200.0)  # a few pixels may look like anything
-        sharp = np.clip((cores[likely, 2] / small - 1.5) / 2.5, 0.0, 1.0)
-        faceness[likely] = sharp * np.clip(face_marks(luma, cores[likely]), 0.0, 1.0)
+        faceness[likely] = sharp[likely] * np.clip(face_marks(luma, cores[likely]), 0.0, 1.0)
     person = 1.0 / (1.0 + np.exp(-(4.0 * alive + 3.0 * faceness - 3.0 * known - 0.8)))
     return Found(centres, mass, person, faceness, cores, moving)
 

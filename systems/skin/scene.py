@@ -64,7 +64,7 @@ def is_cut(pixels: np.ndarray, scene: Scene) -> bool:
     """Whether this is a picture of something else: most of it differs from the frame before."""
     luma = brightness(pixels)[::3, ::3]
     difference = np.abs(luma - scene.luma[::3, ::3])
-    return bool(np.mean(difference > 18.0 + 6.0 * scene.noise) > 0.5)
+    return np.count_nonzero(difference > 18.0 + 6.0 * scene.noise) > 0.5 * difference.size
 
 
 def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float, brighter: float = 1.0) -> tuple[Scene, np.ndarray]:
@@ -87,17 +87,20 @@ def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float, brighter: fl
     motion = np.maximum(scene.motion * np.float32(0.5 ** (dt / MOTION_HALF_LIFE)), moved)
     near = np.minimum(cv2.blur(moved, (kernel, kernel)) * 6.0, 1.0)
     alive = np.maximum(scene.alive * np.float32(0.5 ** (dt / ALIVE_HALF_LIFE)), near)
-    away = cv2.absdiff(pixels, scene.pixels)
-    away = np.maximum(np.maximum(away[:, :, 0], away[:, :, 1]), away[:, :, 2])
-    same = (away < 5.0 + 4.0 * noise + 0.04 * luma).astype(np.float32)
-    return Scene(scene.pixels, scene.sure, scene.luma, motion, alive, noise), same * scene.sure
+    stood = np.where(_same(pixels, scene.pixels, luma, noise), scene.sure, np.float32(0.0))
+    return Scene(scene.pixels, scene.sure, scene.luma, motion, alive, noise), stood
+
+
+def _same(pixels: np.ndarray, then: np.ndarray, luma: np.ndarray, noise: float) -> np.ndarray:
+    """(h, w) bool, where no channel differs by more than noise and a little of the brightness."""
+    away = cv2.absdiff(pixels, then)
+    most = np.maximum(np.maximum(away[:, :, 0], away[:, :, 1]), away[:, :, 2])
+    return most < np.float32(5.0 + 4.0 * noise) + np.float32(0.04) * luma
 
 
 def settle(scene: Scene, pixels: np.ndarray, person: np.ndarray, dt: float) -> Scene:
     """The scene after ``dt`` s in which pixels outside ``person`` (h, w) bool that did not change became surer background."""
-    away = cv2.absdiff(pixels, scene.pixels)
-    away = np.maximum(np.maximum(away[:, :, 0], away[:, :, 1]), away[:, :, 2])
-    same = away < 5.0 + 4.0 * scene.noise + 0.04 * scene.luma
+    same = _same(pixels, scene.pixels, scene.luma, scene.noise)
     guarded = person | (scene.motion > 0.25)
     step = np.where(same, np.float32(dt / SETTLE), np.float32(-dt / FORGET))
     step[guarded] = -dt / (8 * FORGET)
