@@ -20,7 +20,7 @@ from vipr.systems.camera.video_frames import FrameSource
 from vipr.systems.errors import InputError
 from vipr.systems.hands.overlay import draw_people
 from vipr.systems.hands.parts import PARTS
-from vipr.systems.hands.pipeline import PeopleBelief, see_people
+from vipr.systems.hands.pipeline import PeopleBelief, exchanged, see_people
 from vipr.systems.recording.video import VideoWriter
 from vipr.systems.signals import HandTracks
 from vipr.systems.skin.classifier import SkinOptions
@@ -38,12 +38,14 @@ def follow_video(
     *,
     options: SkinOptions = SkinOptions(),
     video: bool = True,
+    mirrored: bool = False,
     progress: Callable[[int], None] = lambda frame: None,
 ) -> dict:
     """Run the chain over all frames and return the summary that was written.
 
-    Frames may be grey, have four channels or 16 bits, and may change their size (everything starts anew then); ``progress`` is called
-    after each frame. Raises InputError where nothing could be read; KeyboardInterrupt passes after what there is has been put in place.
+    Frames may be grey, have four channels or 16 bits, and may change their size (everything starts anew then). ``mirrored`` says that the
+    picture shows the person as a mirror does; ``progress`` is called after each frame. Raises InputError where nothing could be read;
+    KeyboardInterrupt passes after what there is has been put in place.
     """
     names = ["regions.csv", "summary.json"] + ["overlay.mp4"] * video
     temporary = {name: out / f".partial-{name}" for name in names}
@@ -54,7 +56,7 @@ def follow_video(
     def finish(complete: bool) -> dict:
         summary = {
             "source": source.name, "frames": state["frames"], "complete": complete, "duration_s": round(state["last"], 3),
-            "sizes": state["sizes"], "seen": {name: counts[name] for name in PARTS},
+            "sizes": state["sizes"], "mirrored": mirrored, "seen": {name: counts[name] for name in PARTS},
             "median_ms": round(float(np.median(spent)), 3) if spent else None,
             "notes": [note for note in (source.note, "" if state["coloured"] else "no colour in any frame: skin cannot be told") if note],
             "versions": {name: version(name) for name in ("vipr", "numpy", "opencv-python-headless")},
@@ -81,7 +83,7 @@ def follow_video(
                     begin = time.perf_counter()
                     belief = see_people(image, at, number, belief, options)
                     spent.append(1e3 * (time.perf_counter() - begin))
-                    tracks = belief.tracks
+                    tracks = exchanged(belief.tracks) if mirrored else belief.tracks
                     writer.writerow(row(number, at, tracks))
                     if video:
                         film = film or VideoWriter(temporary["overlay.mp4"], fps=float(np.clip(source.rate, 1, 240)))

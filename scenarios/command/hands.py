@@ -21,6 +21,9 @@ def hands(
     ] = None,
     fps: Annotated[float | None, typer.Option(help="Frames a second, instead of the file's own (images: 25).")] = None,
     working_area: Annotated[float, typer.Option(help="Pixels to which frames are reduced inside.")] = 0.0,
+    mirrored: Annotated[
+        bool, typer.Option("--mirrored", help="The picture is a mirror image: the person's left hand is on its left.")
+    ] = False,
     no_video: Annotated[bool, typer.Option("--no-video", help="Write no overlay.mp4.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
 ) -> None:
@@ -48,8 +51,9 @@ def hands(
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("following", total=source.count or None)
         summary = follow_video(
-            source, folder, options=options, video=not no_video, progress=lambda k: bar.update(task, completed=k + 1)
-        )
+            source, folder, options=options, video=not no_video, mirrored=mirrored,
+            progress=lambda k: bar.update(task, completed=k + 1),
+        )  # fmt: skip
     if as_json:
         print(json.dumps(summary, indent=2))
         return

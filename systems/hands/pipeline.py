@@ -44,3 +44,13 @@ def see_people(
     hands = follow(skin.regions, belief.hands)
     mark("tracking")
     return PeopleBelief(skin, hands)
+
+
+def exchanged(tracks: HandTracks) -> HandTracks:
+    """The tracks of a mirrored picture, in which the person's left hand is on the image's left: the hands' names exchanged."""
+    other = {"left": "right", "right": "left"}
+    swapped = {
+        f"{a}{end}": getattr(tracks, f"{b}{end}") for a, b in other.items() for end in ("", "_velocity", "_seen")
+    }
+    merged = tuple(other.get(name, name) for name in tracks.merged)
+    return replace(tracks, **swapped, merged=merged, areas=tracks.areas[[0, 2, 1]])
