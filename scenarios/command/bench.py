@@ -20,6 +20,10 @@ TABLES = {
         "Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels.",
         "time, rooms, light, clips, pixels",
     ),
+    "arm": (
+        "The arm: clearance against the real model's distances, limits under wild twists, time.",
+        "clearance, limits, time",
+    ),
     "calibration": (
         "vipr calibrate over many seeds: errors against truth beside the standard errors that it tells.",
         "errors, views",

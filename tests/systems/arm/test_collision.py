@@ -2,87 +2,41 @@
 
 import numpy as np
 import pytest
-from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-from pydrake.systems.framework import DiagramBuilder
 
 from vipr.diagrams.workcell import obstacles, puma_with_hand
-from vipr.models import model_path
+from vipr.scenarios.bench.arm import MODEL_LESS, random_configuration
+from vipr.scenarios.bench.model_distances import ModelDistances
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.arm.puma_body import hand_shapes, puma_with_hand_body
 from vipr.systems.arm.shapes import Placed, box, capsule, cylinder, gap, sphere
 from vipr.systems.errors import InputError
-from vipr.systems.hand.transmission import JOINT_UPPER
 
-LINKS = ("column", "trunk", "upper_arm", "forearm", "", "wrist", "flange")
-ROOM = {"table": "table", "room": "floor", "plate": "stage"}
 ARM = puma_with_hand()
-
-
-class Model:
-    """The workcell's models in Drake, and the distance of every pair that our clearance looks at."""
-
-    def __init__(self):
-        builder = DiagramBuilder()
-        self.plant, self.scene = AddMultibodyPlantSceneGraph(builder, 0.002)
-        parser = Parser(self.plant)
-        parser.package_map().AddPackageXml(str(model_path("package.xml")))
-        parser.AddModels(url="package://vipr/workcell/workcell.dmd.yaml")
-        self.plant.Finalize()
-        self.diagram = builder.Build()
-        self.context = self.diagram.CreateDefaultContext()
-        inspector = self.scene.model_inspector()
-        self.names = {}
-        for g in inspector.GetAllGeometryIds():
-            link = inspector.GetName(inspector.GetFrameId(g)).split("::")[-1]
-            ours = LINKS[int(link[5:])] if link.startswith("link_") else ROOM.get(link, link)
-            self.names[g] = ours
-
-    def distances(self, q, hand):
-        context = self.plant.GetMyContextFromRoot(self.context)
-        self.plant.SetPositions(context, self.plant.GetModelInstanceByName("puma560"), q)
-        self.plant.SetPositions(context, self.plant.GetModelInstanceByName("barrett_hand"), hand)
-        query = self.scene.get_query_output_port().Eval(self.scene.GetMyContextFromRoot(self.context))
-        return {
-            frozenset((self.names[r.id_A], self.names[r.id_B])): r.distance
-            for r in query.ComputeSignedDistancePairwiseClosestPoints(1.0)
-        }
 
 
 def random_configurations(count, seed):
     rng = np.random.default_rng(seed)
-    for _ in range(count):
-        hand = rng.uniform(0, JOINT_UPPER)
-        hand[3] = hand[0]
-        yield rng.uniform(puma560.POSITION_LOWER, puma560.POSITION_UPPER), hand
+    return [random_configuration(rng) for _ in range(count)]
 
 
 def test_clearance_is_never_more_than_the_models_distance_and_seldom_much_less():
-    model, at_stage = Model(), obstacles(np.zeros(3))
+    model, around = ModelDistances(), obstacles(np.zeros(3))
     short = []
     for q, hand in random_configurations(300, seed=4):
         body = puma_with_hand_body(ARM, hand)
-        ours, (mine, other) = body.clearance(q, at_stage)
-        first, second = body.pairs_with(len(at_stage))
-        names = [s.name for s in (*body.shapes, *at_stage)]
-        looked_at = {frozenset((names[a], names[b])) for a, b in zip(first, second, strict=True)}
-        true = min(d for pair, d in model.distances(q, hand).items() if pair in looked_at)
-        assert ours <= true + 1e-3, f"{mine} to {other}"
-        if true > 0 and "knuckle" not in mine and other != "stage_foot":  # of those the model has only the looks
+        ours, pair = body.clearance(q, around)
+        true = model.smallest(q, hand, body, around)
+        assert ours <= true + 1e-3, pair
+        if true > 0 and not any(name in part for part in pair for name in MODEL_LESS):
             short.append(true - ours)
     assert len(short) > 150
     assert np.quantile(short, 0.9) < 1e-3 and max(short) < 0.015
 
 
 def test_every_collision_shape_of_the_models_is_there():
-    model = Model()
     ours = {s.name for s in (*puma_with_hand_body(ARM).shapes, *obstacles())}
-    assert set(model.names[g] for g in model.names if _collides(model, g)) - ours == set()
-
-
-def _collides(model, geometry):
-    return model.scene.model_inspector().GetProximityProperties(geometry) is not None
+    assert set(ModelDistances().names.values()) - ours == set()
 
 
 def test_many_configurations_at_once_give_what_each_gives_alone():
