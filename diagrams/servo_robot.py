@@ -178,6 +178,7 @@ class ServoRobot(Diagram):
             (cell, "frame", annotator, "frame"),
             (tracker, "object_pose", annotator, "object_pose"),
             (servo, "V_WE_W", arm, "V_WE_W"),
+            (cell, "motor_position", arm, "motor_position"),
             (arm, "desired_state", cell, "arm_desired_state"),
             (arm, "desired_state", witness, "desired_state"),
             (cell, "X_CO_true", tracking_error, "X_CO_true"),

@@ -16,7 +16,7 @@ from vipr.systems.arm import puma560
 from vipr.systems.arm.encoders import JointEncoders
 from vipr.systems.arm.guard import CollisionGuard
 from vipr.systems.arm.kinematics import SerialArm
-from vipr.systems.arm.puma_body import puma_with_hand_body
+from vipr.systems.arm.puma_body import hand_guard
 from vipr.systems.arm.resolved_rate import JointLimits
 from vipr.systems.arm.shapes import Shape, box, cylinder
 from vipr.systems.camera.camera import Camera
@@ -74,7 +74,7 @@ def obstacles(stage: np.ndarray | None = None) -> tuple[Shape, ...]:
 
 def collision_guard() -> CollisionGuard:
     """Keeps arm and hand from the workcell and from themselves."""
-    return CollisionGuard(puma_with_hand_body(puma_with_hand()), obstacles())
+    return hand_guard(puma_with_hand(), obstacles())
 
 
 def standing(stage: np.ndarray) -> np.ndarray:

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from vipr.diagrams.workcell import ACCELERATION, obstacles, puma_with_hand
+from vipr.diagrams.workcell import JOINT_LIMITS, collision_guard, obstacles, puma_with_hand
 from vipr.scenarios.bench.model_distances import ModelDistances
 from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.systems.arm import puma560
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.guard import CollisionGuard
+from vipr.systems.arm.limit_use import limit_use
 from vipr.systems.arm.puma_body import OPEN, puma_with_hand_body
-from vipr.systems.arm.resolved_rate import JointLimits
 from vipr.systems.hand.transmission import JOINT_UPPER
 
 PERIOD = 0.01  # s
@@ -62,14 +62,14 @@ def _clearance(quick: bool, seed: int) -> Table:
 def _limits(quick: bool, seed: int) -> Table:
     seeds, steps, model = range(seed, seed + (2 if quick else 10)), 0, ModelDistances()
     most, least = np.zeros(3), np.inf
-    guard = workcell_guard()
+    guard = collision_guard()
     for k in seeds:
         rng, driven = np.random.default_rng(k), DrivenArm(guard=guard)
         (q, v), places = driven.state, []
         for V, ticks in random_twists(rng, 40):
             for _ in range(ticks):
                 q_new, v_new = driven.step(V)
-                most = np.maximum(most, limit_use(q_new, v_new, v))
+                most = np.maximum(most, limit_use(q_new, v_new, v, JOINT_LIMITS, PERIOD))
                 q, v = q_new, v_new
                 places.append(q)
         steps += len(places)
@@ -87,7 +87,7 @@ def _limits(quick: bool, seed: int) -> Table:
 
 
 def _time(quick: bool, seed: int) -> Table:
-    count, guard, rng = (100 if quick else 1000), workcell_guard(), np.random.default_rng(seed)
+    count, guard, rng = (100 if quick else 1000), collision_guard(), np.random.default_rng(seed)
     table = Table(
         "CPU time", ("what", "median us", "95 % us"), note="Of the process, on a machine that does other things too."
     )
@@ -123,24 +123,6 @@ def _quantiles(seconds: list[float]) -> tuple[float, float]:
     return tuple(1e6 * float(np.quantile(seconds, share)) for share in (0.5, 0.95))
 
 
-def workcell_guard() -> CollisionGuard:
-    """The guard of the workcell: arm and open hand, table, stage and floor."""
-    return CollisionGuard(puma_with_hand_body(puma_with_hand()), obstacles())
-
-
-def workcell_limits() -> JointLimits:
-    """The limits of the workcell's arm."""
-    return JointLimits(puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION)
-
-
-def limit_use(q: np.ndarray, v: np.ndarray, v_before: np.ndarray) -> np.ndarray:
-    """(3,) how much of a joint's position range (1: at a stop), speed and acceleration limit is used, of the joint that uses most."""
-    limits = workcell_limits()
-    middle, half = 0.5 * (limits.upper + limits.lower), 0.5 * (limits.upper - limits.lower)
-    acceleration = np.abs(v - v_before) / PERIOD / limits.acceleration
-    return np.array([np.max(np.abs(q - middle) / half), np.max(np.abs(v) / limits.speed), np.max(acceleration)])
-
-
 def random_configuration(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Joint angles of the arm (6,) and of the hand (8,), both fingers spread alike."""
     hand = rng.uniform(0, JOINT_UPPER)
@@ -160,12 +142,14 @@ class DrivenArm:
     """An arm commander of the workcell, stepped tick by tick."""
 
     def __init__(self, q: np.ndarray = puma560.NAMED["nominal"], guard: CollisionGuard | None = None):
-        self._commander = ArmCommander(puma_with_hand(), workcell_limits(), q, guard=guard, period=PERIOD)
+        self._commander = ArmCommander(puma_with_hand(), JOINT_LIMITS, q, guard=guard, period=PERIOD)
         self._context = self._commander.CreateDefaultContext()
 
-    def step(self, V: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """One tick at the wanted twist V (6,); the set-points and their rates after it."""
-        self._commander.get_input_port().FixValue(self._context, V)
+    def step(self, V: np.ndarray, motor: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """One tick at the wanted twist V (6,), the hand's motors at ``motor`` (4,); the set-points and their rates after it."""
+        if motor is not None:
+            self._commander.GetInputPort("motor_position").FixValue(self._context, motor)
+        self._commander.GetInputPort("V_WE_W").FixValue(self._context, V)
         new = self._commander.EvalUniquePeriodicDiscreteUpdate(self._context)
         self._context.get_mutable_discrete_state().SetFrom(new)
         return self.state

@@ -11,6 +11,7 @@ from vipr.systems.errors import InputError
 from vipr.systems.signals import Status
 from vipr.systems.timing import LEDGER
 
+HAND_MOVED = 0.01  # rad, of a motor's angle, by which the gaps of the fingers are looked at anew
 LOST = 0.01  # share of the twist that a singularity must take away to be named
 
 
@@ -22,6 +23,7 @@ class ArmCommander(LeafSystem):
         name: ArmCommander
         input_ports:
         - V_WE_W
+        - motor_position
         output_ports:
         - desired_state
         - limited_by
@@ -31,7 +33,9 @@ class ArmCommander(LeafSystem):
     the set-points q (n) [rad] move by limited joint rates; ``desired_state`` (2n) is [q; qdot] for the joint servo. Limits keep the
     direction of the motion: they make it slower, to a halt if need be. ``limited_by`` (1) tells what limited the last step: 0 nothing,
     1 speed, 2 acceleration, 3 position, 4 a singularity, 5 a collision; ``status`` (Status) says it in words, for a collision with the
-    two shapes that came near each other. Without a ``guard`` nothing is kept from colliding. The state starts at ``q_initial`` at rest.
+    two shapes that came near each other. Without a ``guard`` nothing is kept from colliding. ``motor_position`` (4), the motor angles of
+    the hand [rad], tells the guard where the fingers are; left unconnected, they are where the guard's body has them. The state starts
+    at ``q_initial`` at rest.
 
     Source: damped least squares as in ``resolved_rate``; collisions as in ``guard``.
     """
@@ -62,29 +66,44 @@ class ArmCommander(LeafSystem):
         self._arm, self._limits, self._damping, self._guard, self._period = arm, limits, damping, guard, period
         self._R_BW = np.eye(3) if X_WB is None else np.asarray(X_WB)[:3, :3].T
         self._n = n = len(q_initial)
+        self._require_clear(q_initial)
         unknown = np.full(0 if guard is None else len(guard.names), -np.inf)  # gaps of the watched pairs
         self._V = self.DeclareVectorInputPort("V_WE_W", 6)
-        state = self.DeclareDiscreteState(np.concatenate([q_initial, np.zeros(n), [0.0, -1.0], unknown]))
+        self._motor = self.DeclareVectorInputPort("motor_position", 4)
+        state = self.DeclareDiscreteState(
+            np.concatenate([q_initial, np.zeros(n), [0.0, -1.0], np.full(4, np.nan), unknown])
+        )
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
         ticket = {self.discrete_state_ticket(state)}
         self.DeclareVectorOutputPort("desired_state", BasicVector(2 * n), self._calc_desired_state, ticket)
         self.DeclareVectorOutputPort("limited_by", BasicVector(1), self._calc_limited_by, ticket)
         self.DeclareAbstractOutputPort("status", lambda: Value(Status()), self._calc_status, ticket)
 
-    def _parts(self, context) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Set-points, rates, (reason, pair) of the last step, and the gaps known."""
-        state, n = context.get_discrete_state_vector().CopyToVector(), self._n
-        return state[:n], state[n : 2 * n], state[2 * n : 2 * n + 2], state[2 * n + 2 :]
+    def _require_clear(self, q: np.ndarray) -> None:
+        if self._guard is None:
+            return
+        gap, pair = self._guard.body.clearance(q, self._guard.obstacles)
+        if gap < 0:
+            raise InputError(f"arm: starts with {pair[0]} {-1e3 * gap:.0f} mm deep in {pair[1]}")
+
+    def _parts(self, context) -> list[np.ndarray]:
+        """Set-points, rates, (reason, pair) of the last step; the gaps known, after the motors that they are for (NaN: never told)."""
+        n = self._n
+        return np.split(context.get_discrete_state_vector().CopyToVector(), [n, 2 * n, 2 * n + 2, 2 * n + 6])
 
     def _update(self, context, discrete_state):
         with LEDGER.charge("control"):
-            q, previous, _, gaps = self._parts(context)
+            q, previous, _, motor, gaps = self._parts(context)
+            if self._motor.HasValue(context):
+                told = self._motor.Eval(context)
+                if not np.abs(told - motor).max() <= HAND_MOVED:  # or told for the first time
+                    motor, gaps = told, np.full_like(gaps, -np.inf)
             V_BE_B = (self._R_BW @ self._V.Eval(context).reshape(2, 3).T).T.ravel()
-            rates, reason, pair, gaps = self._step(q, previous, gaps, V_BE_B)
+            rates, reason, pair, gaps = self._step(q, previous, gaps, motor, V_BE_B)
             why = [self.REASONS.index(reason), pair]
-            discrete_state.set_value(np.concatenate([q + self._period * rates, rates, why, gaps]))
+            discrete_state.set_value(np.concatenate([q + self._period * rates, rates, why, motor, gaps]))
 
-    def _step(self, q: np.ndarray, previous: np.ndarray, gaps: np.ndarray, V_BE_B: np.ndarray):
+    def _step(self, q: np.ndarray, previous: np.ndarray, gaps: np.ndarray, motor: np.ndarray, V_BE_B: np.ndarray):
         """Rates, what limited them, the pair of shapes that did, and the gaps that are certain after the step."""
         _, J = self._arm.tool_pose_and_jacobian(q)
         wanted, lost = damped_rates(J, V_BE_B, self._damping)
@@ -93,7 +112,8 @@ class ArmCommander(LeafSystem):
             reason = "singularity"
         if self._guard is None:
             return rates, reason, -1, gaps
-        held = guarded_rates(self._guard, rates, q, previous, gaps, self._limits, self._period)
+        known = None if np.isnan(motor).any() else motor
+        held = guarded_rates(self._guard, rates, q, previous, gaps, self._limits, self._period, known)
         return held.rates, reason if held.pair < 0 else "collision", held.pair, held.gaps
 
     def _calc_desired_state(self, context, output):

@@ -6,6 +6,7 @@ approach falls with the gap, which makes the stop smooth; the whole rate vector 
 the gap is already below the margin, every motion that does not narrow it is free.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -28,6 +29,10 @@ class CollisionGuard:
     obstacles: tuple[Shape, ...] = ()
     margin: float = 0.005  # m, the least gap
     approach: float = 8.0  # 1/s: the gap's excess over the margin shrinks at most at this rate
+    with_hand: Callable[[np.ndarray], ArmBody] | None = (
+        None  # the body for motor angles (4,) [rad] of its hand; None: it stays as it is
+    )
+    hand_extent: float = 0.0  # m, no finger ever reaches further from the last link's frame
 
     def __post_init__(self):
         if not 0 <= self.margin <= 0.5:
@@ -55,21 +60,36 @@ class CollisionGuard:
         lengths = np.hypot(arm.a, arm.d)
         reach = np.zeros((len(self.pairs[0]), n))
         for p, (i, j) in enumerate(zip(*self.pairs, strict=True)):
-            shape = self.body.shapes[i]
-            own = np.linalg.norm(shape.X[:3, 3]) + np.linalg.norm(shape.half) + shape.disc + shape.radius
             for joint in range(links[j], links[i]):  # between the two links
                 # From the joint's axis to its link's origin, on along the links between, and across the shape.
-                reach[p, joint] = abs(arm.a[joint]) + lengths[joint + 1 : links[i]].sum() + own
+                reach[p, joint] = abs(arm.a[joint]) + lengths[joint + 1 : links[i]].sum() + self._extents[i]
         return reach
 
     @cached_property
-    def _everything(self) -> Placed:
+    def _extents(self) -> list[float]:
+        """How far each shape of the body reaches from its link's frame [m]; fingers wherever they are."""
+        moved = self.body if self.with_hand is None else self.with_hand(np.full(4, 0.5))
+        return [
+            np.linalg.norm(s.X[:3, 3]) + np.linalg.norm(s.half) + s.disc + s.radius
+            if np.array_equal(s.X, t.X)
+            else self.hand_extent
+            for s, t in zip(self.body.shapes, moved.shapes, strict=True)
+        ]
+
+    def placed(self, motor: np.ndarray | None = None) -> Placed:
+        """All shapes, the fingers at the motor angles (4,) [rad] (None: as in ``body``)."""
+        if motor is None or self.with_hand is None:
+            return self._placed
+        return self.with_hand(motor).with_obstacles(self.obstacles)
+
+    @cached_property
+    def _placed(self) -> Placed:
         return self.body.with_obstacles(self.obstacles)
 
-    def gaps(self, q: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    def gaps(self, q: np.ndarray, chosen: np.ndarray, placed: Placed) -> np.ndarray:
         """(N, S) gaps [m] of the chosen pairs at q (N, n)."""
         first, second = self.pairs
-        return self.body.gaps(q, first[chosen], second[chosen], self._everything)
+        return self.body.gaps(q, first[chosen], second[chosen], placed)
 
 
 @dataclass(frozen=True)
@@ -89,6 +109,7 @@ def guarded_rates(
     gaps: np.ndarray,
     limits: JointLimits,
     dt: float,
+    motor: np.ndarray | None = None,
 ) -> Guarded:
     """The rates (n,) [rad/s], slowed down or braked where needed.
 
@@ -101,26 +122,34 @@ def guarded_rates(
             step in doubt are looked at.
         limits: of the joints; for braking.
         dt: period [s].
+        motor: where the hand's motors are (4,) [rad], if it is known.
     """
+    placed = guard.placed(motor)
 
     def towards(wanted):
         return within_stops(step_towards(wanted, previous, limits, dt), q, limits, dt)
 
     gaps, pair = np.array(gaps, float), -1
-    share, nearest, touches = _inspect(guard, q, rates, gaps, limits, dt)
+    share, nearest, touches = _inspect(guard, placed, q, rates, gaps, limits, dt)
     if share < 1.0:
         pair, rates = nearest, towards(share * rates)
-        _, nearest, touches = _inspect(guard, q, rates, gaps, limits, dt)
+        _, nearest, touches = _inspect(guard, placed, q, rates, gaps, limits, dt)
     if touches:
         pair, braked = nearest, towards(np.zeros_like(rates))
         rates = 0.5 * (rates + braked)
-        if _inspect(guard, q, rates, gaps, limits, dt)[2]:
+        if _inspect(guard, placed, q, rates, gaps, limits, dt)[2]:
             rates = braked
     return Guarded(rates, gaps - dt * (guard.reach @ np.abs(rates)), pair)
 
 
 def _inspect(
-    guard: CollisionGuard, q: np.ndarray, rates: np.ndarray, gaps: np.ndarray, limits: JointLimits, dt: float
+    guard: CollisionGuard,
+    placed: Placed,
+    q: np.ndarray,
+    rates: np.ndarray,
+    gaps: np.ndarray,
+    limits: JointLimits,
+    dt: float,
 ) -> tuple[float, int, bool]:
     """What a step at the rates and braking straight to rest after it would do; ``gaps`` are made exact where in doubt.
 
@@ -134,7 +163,7 @@ def _inspect(
     if not len(chosen):
         return 1.0, -1, False
     count = min(1 + int(fastest[chosen].max() * duration / SPACING), PLACES)
-    along = guard.gaps(q + np.linspace(0.0, duration, count + 1)[:, None] * rates, chosen)
+    along = guard.gaps(q + np.linspace(0.0, duration, count + 1)[:, None] * rates, chosen, placed)
     gaps[chosen] = now = along[0]
     closing = (now - along[1]) * count / duration
     allowed = guard.approach * np.maximum(now - guard.margin, 0.0)

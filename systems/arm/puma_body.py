@@ -3,18 +3,23 @@
 What the models give no collision shape (the knuckles that carry fingers 1 and 2) is covered by a capsule here.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from vipr.systems import se3
 from vipr.systems.arm.collision import ArmBody
+from vipr.systems.arm.guard import CollisionGuard
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.arm.puma560 import FLANGE
 from vipr.systems.arm.shapes import Shape, box, capsule, cylinder, sphere
 from vipr.systems.errors import InputError
-from vipr.systems.hand.transmission import JOINT_UPPER, JOINTS
+from vipr.systems.hand.transmission import JOINT_UPPER, JOINTS, MOTOR_UPPER, SEATED, joint_angles
 
 OPEN = np.zeros(8)  # rad, the hand's joints with fingers open and spread 0
 X_6P = se3.pose(np.eye(3), [0.0, 0.0, FLANGE])  # the hand's palm frame P on the flange
+HAND_EXTENT = FLANGE + 0.34  # m, from the wrist centre: both knuckle offsets and both finger links in one line
+FINGER_STEP = 0.02  # rad
 STOP_PLAY = 0.05  # rad, by which a soft joint may stand beyond its stop
 
 _SPREAD_AXES = {1: -0.025, 2: 0.025}  # m, along x of P; finger 1 spreads about -z, finger 2 about z
@@ -77,6 +82,25 @@ def puma_with_hand_body(arm: SerialArm, hand: np.ndarray = OPEN, held: tuple[Sha
     carried = tuple(shape.moved(X_6P) for shape in (*hand_shapes(hand), *held))
     links, shapes = zip(*puma_shapes(), *((6, shape) for shape in carried), strict=True)
     return ArmBody(arm, shapes, links, ignored=((2, 0), (5, 3)))
+
+
+def hand_guard(
+    arm: SerialArm, obstacles: tuple[Shape, ...], hand: np.ndarray = OPEN, held: tuple[Shape, ...] = ()
+) -> CollisionGuard:
+    """The guard of the Puma with the Barrett Hand, which follows the hand's motors where they are told.
+
+    Clutches count as seated. Fingers are placed in steps of ``FINGER_STEP``.
+    """
+
+    @lru_cache(maxsize=512)
+    def body(steps: tuple[int, ...]) -> ArmBody:
+        motor = np.clip(FINGER_STEP * np.array(steps), 0.0, MOTOR_UPPER)
+        return puma_with_hand_body(arm, joint_angles(motor, SEATED), held)
+
+    def with_hand(motor: np.ndarray) -> ArmBody:
+        return body(tuple(int(step) for step in np.round(np.asarray(motor) / FINGER_STEP)))
+
+    return CollisionGuard(puma_with_hand_body(arm, hand, held), obstacles, with_hand=with_hand, hand_extent=HAND_EXTENT)
 
 
 def _at(x: float, y: float, z: float) -> np.ndarray:

@@ -18,6 +18,7 @@ WIRES = [
     "workcell.frame -> annotator.frame",
     "workcell.frame -> tracker.frame",
     "workcell.joint_state -> servo.joint_state",
+    "workcell.motor_position -> arm.motor_position",
 ]
 
 

@@ -3,12 +3,16 @@
 import numpy as np
 import pytest
 
-from vipr.diagrams.workcell import puma_with_hand
-from vipr.scenarios.bench.arm import DrivenArm, limit_use, random_twists, workcell_guard, workcell_limits
+from vipr.diagrams.workcell import JOINT_LIMITS as LIMITS
+from vipr.diagrams.workcell import collision_guard, puma_with_hand
+from vipr.scenarios.bench.arm import DrivenArm, random_twists
+from vipr.systems import se3
+from vipr.systems.arm import puma560
 from vipr.systems.arm.guard import CollisionGuard
+from vipr.systems.arm.limit_use import limit_use
 from vipr.systems.errors import InputError
 
-ARM, LIMITS, GUARD = puma_with_hand(), workcell_limits(), workcell_guard()
+ARM, GUARD = puma_with_hand(), collision_guard()
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -20,7 +24,7 @@ def test_random_twists_never_exceed_a_limit_nor_touch_anything(seed):
         for _ in range(steps):
             q_new, v_new = drive.step(V)
             assert np.allclose(q_new - q, 0.01 * v_new, atol=1e-12)
-            assert (limit_use(q_new, v_new, v) <= 1.0 + 1e-9).all()
+            assert (limit_use(q_new, v_new, v, LIMITS, 0.01) <= 1.0 + 1e-9).all()
             q, v = q_new, v_new
             places.append(q)
             reasons.add(drive.limited_by)
@@ -106,3 +110,27 @@ def test_through_a_singularity_the_rates_stay_calm_and_it_is_named(V):
 def test_a_bad_guard_is_refused(margin, approach, said):
     with pytest.raises(InputError, match=said):
         CollisionGuard(GUARD.body, GUARD.obstacles, margin=margin, approach=approach)
+
+
+def test_a_hand_that_closes_is_kept_further_from_the_table_than_an_open_one():
+    palm_down = puma560.inverse_near(se3.pose(np.diag([1.0, -1, -1]), [0.55, 0, 0.85]), puma560.NAMED["nominal"])
+    heights = []
+    for finger in (0.0, 1.2):
+        drive = DrivenArm(palm_down, GUARD)
+        for _ in range(300):
+            drive.step([0, 0, 0, 0, 0, -0.2], motor=np.array([finger, finger, finger, 0.0]))
+        assert drive.limited_by == "collision"
+        heights.append(ARM.tool_pose(drive.state[0])[2, 3])
+    assert heights[1] > heights[0] + 0.02
+
+
+def test_the_guard_bounds_how_far_fingers_reach():
+    for motor in np.random.default_rng(0).uniform(0, [2.44, 2.44, 2.44, 3.1], (50, 4)):
+        for shape in GUARD.with_hand(motor).shapes:
+            extent = np.linalg.norm(shape.X[:3, 3]) + np.linalg.norm(shape.half) + shape.radius
+            assert extent < GUARD.hand_extent or not shape.name.startswith("finger")
+
+
+def test_a_start_within_the_table_is_refused():
+    with pytest.raises(InputError, match=r"arm: starts with \w+ \d+ mm deep in \w+"):
+        DrivenArm(np.array([0.0, 0.2, -3.0, 0.0, 0.4, 0.0]), GUARD)

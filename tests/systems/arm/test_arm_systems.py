@@ -19,7 +19,7 @@ def test_set_points_move_the_tool_by_the_twist():
     dut = ArmCommander(ARM, LIMITS, Q)
     simulator = Simulator(dut)
     context = simulator.get_mutable_context()
-    dut.get_input_port().FixValue(context, V)
+    dut.GetInputPort("V_WE_W").FixValue(context, V)
     simulator.AdvanceTo(1.005)
     X_before, X = ARM.tool_pose(Q), ARM.tool_pose(dut.GetOutputPort("desired_state").Eval(context)[:6])
     assert np.allclose(X[:3, 3] - X_before[:3, 3], V[3:], atol=2e-3)  # less the smooth start
