@@ -9,11 +9,10 @@ from functools import cached_property
 
 import numpy as np
 
+from vipr.systems.arm.gaps import pair_gaps, smallest_gaps
 from vipr.systems.arm.kinematics import SerialArm
-from vipr.systems.arm.shapes import Placed, Shape, centre_distance, gap
+from vipr.systems.arm.shapes import Shape, ShapeTable
 from vipr.systems.errors import InputError
-
-TOLERANCE = 1e-4  # m: pairs whose bound cannot beat the smallest known gap by more than this are not looked at closely
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,23 +52,15 @@ class ArmBody:
         arm, other = self.pairs_with(len(obstacles))
         if not len(arm):
             raise InputError("clearance: the arm's shapes and the obstacles make no pair that could meet")
-        a, b, count = self._pairs_placed(q, arm, other, self.with_obstacles(obstacles))
-        most = centre_distance(a, b)
-        bound = most.reshape(count, -1).min(axis=1).repeat(len(arm))
-        close = np.flatnonzero(most - a.reach <= bound - TOLERANCE)
-        distance = np.full(len(most), np.inf)
-        distance[close] = gap(a[close], b[close])
-        distance = distance.reshape(count, -1)
-        nearest = distance.argmin(axis=1)
+        table = self.with_obstacles(obstacles)
+        gaps, nearest = smallest_gaps(self._placed(q, table), table.half, table.disc, table.radius, arm, other)
         names = [*(s.name for s in self.shapes), *(s.name for s in obstacles)]
         pairs = [(names[arm[k]], names[other[k]]) for k in nearest]
-        gaps = distance.min(axis=1)
         return (gaps, pairs) if q.ndim == 2 else (gaps[0], pairs[0])
 
-    def gaps(self, q: np.ndarray, first: np.ndarray, second: np.ndarray, everything: Placed) -> np.ndarray:
+    def gaps(self, q: np.ndarray, first: np.ndarray, second: np.ndarray, table: ShapeTable) -> np.ndarray:
         """(N, P) the gap [m] of each given pair (numbered as by ``pairs_with``, of ``with_obstacles``) at each q (N, n)."""
-        a, b, count = self._pairs_placed(q, first, second, everything)
-        return gap(a, b).reshape(count, -1)
+        return pair_gaps(self._placed(q, table), table.half, table.disc, table.radius, first, second)
 
     def pairs_with(self, obstacles: int) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (P,) of the arm's shape and of the other one in each pair that may meet: own shapes first, then the obstacles.
@@ -82,25 +73,14 @@ class ArmBody:
         second = np.concatenate([own[:, 1], len(self.shapes) + np.tile(np.arange(obstacles), len(moving))])
         return first.astype(int), second.astype(int)
 
-    def with_obstacles(self, obstacles: tuple[Shape, ...]) -> Placed:
+    def with_obstacles(self, obstacles: tuple[Shape, ...]) -> ShapeTable:
         """The arm's shapes in their links and the obstacles in B."""
-        return Placed.of([*self.shapes, *obstacles])
+        return ShapeTable.of([*self.shapes, *obstacles])
 
-    def _pairs_placed(self, q, first, second, everything: Placed) -> tuple[Placed, Placed, int]:
-        """Both shapes of every pair, for the first q, the second, and so on; and the number of q."""
-        X_BL = self.arm.link_poses(np.atleast_2d(q))[:, list(self.links)]
-        count = len(X_BL)
-        X = np.empty((count, len(everything.disc), 4, 4))
-        X[:, : len(self.shapes)] = X_BL @ everything.X[: len(self.shapes)]
-        X[:, len(self.shapes) :] = everything.X[len(self.shapes) :]
-
-        def chosen(k):
-            part = everything[k]
-            return Placed(
-                X[:, k].reshape(-1, 4, 4),
-                np.tile(part.half, (count, 1)),
-                np.tile(part.disc, count),
-                np.tile(part.radius, count),
-            )
-
-        return chosen(first), chosen(second), count
+    def _placed(self, q: np.ndarray, table: ShapeTable) -> np.ndarray:
+        """(N, S, 4, 4) where all shapes of the table are in B at each q."""
+        X_BL, own = self.arm.link_poses(np.atleast_2d(q))[:, list(self.links)], len(self.shapes)
+        X = np.empty((len(X_BL), len(table.disc), 4, 4))
+        X[:, :own] = X_BL @ table.X[:own]
+        X[:, own:] = table.X[own:]
+        return X

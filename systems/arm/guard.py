@@ -14,7 +14,7 @@ import numpy as np
 
 from vipr.systems.arm.collision import ArmBody
 from vipr.systems.arm.resolved_rate import JointLimits, step_towards, within_stops
-from vipr.systems.arm.shapes import Placed, Shape
+from vipr.systems.arm.shapes import Shape, ShapeTable
 from vipr.systems.errors import InputError
 
 SPACING, PLACES = 0.05, 12  # m, at most, between the tested places of a braking path; how many there are at most
@@ -76,20 +76,20 @@ class CollisionGuard:
             for s, t in zip(self.body.shapes, moved.shapes, strict=True)
         ]
 
-    def placed(self, motor: np.ndarray | None = None) -> Placed:
+    def table(self, motor: np.ndarray | None = None) -> ShapeTable:
         """All shapes, the fingers at the motor angles (4,) [rad] (None: as in ``body``)."""
         if motor is None or self.with_hand is None:
-            return self._placed
+            return self._table
         return self.with_hand(motor).with_obstacles(self.obstacles)
 
     @cached_property
-    def _placed(self) -> Placed:
+    def _table(self) -> ShapeTable:
         return self.body.with_obstacles(self.obstacles)
 
-    def gaps(self, q: np.ndarray, chosen: np.ndarray, placed: Placed) -> np.ndarray:
+    def gaps(self, q: np.ndarray, chosen: np.ndarray, table: ShapeTable) -> np.ndarray:
         """(N, S) gaps [m] of the chosen pairs at q (N, n)."""
         first, second = self.pairs
-        return self.body.gaps(q, first[chosen], second[chosen], placed)
+        return self.body.gaps(q, first[chosen], second[chosen], table)
 
 
 @dataclass(frozen=True)
@@ -124,27 +124,27 @@ def guarded_rates(
         dt: period [s].
         motor: where the hand's motors are (4,) [rad], if it is known.
     """
-    placed = guard.placed(motor)
+    table = guard.table(motor)
 
     def towards(wanted):
         return within_stops(step_towards(wanted, previous, limits, dt), q, limits, dt)
 
     gaps, pair = np.array(gaps, float), -1
-    share, nearest, touches = _inspect(guard, placed, q, rates, gaps, limits, dt)
+    share, nearest, touches = _inspect(guard, table, q, rates, gaps, limits, dt)
     if share < 1.0:
         pair, rates = nearest, towards(share * rates)
-        _, nearest, touches = _inspect(guard, placed, q, rates, gaps, limits, dt)
+        _, nearest, touches = _inspect(guard, table, q, rates, gaps, limits, dt)
     if touches:
         pair, braked = nearest, towards(np.zeros_like(rates))
         rates = 0.5 * (rates + braked)
-        if _inspect(guard, placed, q, rates, gaps, limits, dt)[2]:
+        if _inspect(guard, table, q, rates, gaps, limits, dt)[2]:
             rates = braked
     return Guarded(rates, gaps - dt * (guard.reach @ np.abs(rates)), pair)
 
 
 def _inspect(
     guard: CollisionGuard,
-    placed: Placed,
+    table: ShapeTable,
     q: np.ndarray,
     rates: np.ndarray,
     gaps: np.ndarray,
@@ -163,7 +163,7 @@ def _inspect(
     if not len(chosen):
         return 1.0, -1, False
     count = min(1 + int(fastest[chosen].max() * duration / SPACING), PLACES)
-    along = guard.gaps(q + np.linspace(0.0, duration, count + 1)[:, None] * rates, chosen, placed)
+    along = guard.gaps(q + np.linspace(0.0, duration, count + 1)[:, None] * rates, chosen, table)
     gaps[chosen] = now = along[0]
     closing = (now - along[1]) * count / duration
     allowed = guard.approach * np.maximum(now - guard.margin, 0.0)
