@@ -104,7 +104,7 @@ def smallest_gaps(X, half, disc, radius, first, second):
             _nearest(X[n, j], half[j], disc[j], p, foot)
             away = np.sqrt((p[0] - foot[0]) ** 2 + (p[1] - foot[1]) ** 2 + (p[2] - foot[2]) ** 2) - radius[j]
             flat = max(np.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2), disc[i])
-            if away - np.sqrt(flat * flat + half[i, 2] ** 2) - radius[i] > gaps[n]:
+            if away - np.sqrt(flat * flat + half[i, 2] ** 2) - radius[i] > max(gaps[n], 0.0):
                 continue
             wide = _gap(X[n, i], half[i], disc[i], radius[i], X[n, j], half[j], disc[j], radius[j], p, foot)
             if wide < gaps[n]:
