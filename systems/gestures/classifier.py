@@ -98,26 +98,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
 
     def predict_log_proba(self, X):
         """(N, C) natural logarithms of ``predict_proba``."""
-        check_is_fitted(self, "streams_")
-        cleaned, kept = self._clean(X)
-        prior = np.log(self.counts_ / self.counts_.sum())
-        out = np.tile(
-            prior if self.priors == "observed" else np.full(len(prior), -np.log(len(prior))), (len(cleaned), 1)
-        )
-        if kept.any():
-            out[kept] = self._log_posterior([t for t in cleaned if t is not None], prior)
-        return out
-
-    def _log_posterior(self, good, prior):
-        self._check_dimension(good)
-        total = np.zeros((len(good), len(self.classes_)))
-        for model in self.streams_:
-            total += model.log_posterior(good, prior)
-        total /= len(self.streams_)
-        if self.priors == "uniform":
-            total -= prior
-        total -= total.max(axis=1, keepdims=True)
-        return total - np.log(np.exp(total).sum(axis=1, keepdims=True))
+        return self._judge(X)[0]
 
     def predict_proba(self, X):
         """(N, C) probability of each class of ``classes_``; the priors for a trajectory that cannot be judged."""
@@ -132,38 +113,50 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
 
     def recognise(self, X):
         """Labels (N,), their probabilities (N,) and whether each is rejected (N,): no gesture, whatever the label says."""
-        probability = self.predict_proba(X)
-        best = probability.argmax(axis=1)
-        named = probability.copy()
-        if self.garbage_ >= 0 and len(self.classes_) > 1:
-            named[:, self.garbage_] = -1.0
-        label = named.argmax(axis=1)
-        cleaned, kept = self._clean(X)
-        rejected = ~kept | (best == self.garbage_)
-        if kept.any():
-            margin = self.gate_.margin(self._gate_view([t for t in cleaned if t is not None]), label[kept])
-            rejected[kept] |= margin < self.gate_.threshold
-        share = probability[np.arange(len(label)), label]
-        share[~kept] = 0.0
-        return self.classes_[label], share, rejected
+        log_posterior, kept, label, margin = self._judge(X)
+        rejected = ~kept | (log_posterior.argmax(axis=1) == self.garbage_) | (margin < self.gate_.threshold)
+        probability = np.exp(log_posterior[np.arange(len(label)), label])
+        probability[~kept] = 0.0
+        return self.classes_[label], probability, rejected
 
     def margins(self, X):
         """(N,) what the gate judges by: log likelihood per point above the garbage model's, of the best gesture; -inf if unjudged."""
-        cleaned, kept = self._clean(X)
-        out = np.full(len(cleaned), -np.inf)
-        if kept.any():
-            probability = self.predict_proba(X)
-            if self.garbage_ >= 0:
-                probability[:, self.garbage_] = -1.0
-            out[kept] = self.gate_.margin(
-                self._gate_view([t for t in cleaned if t is not None]), probability.argmax(axis=1)[kept]
-            )
-        return out
+        return self._judge(X)[3]
 
-    def _gate_view(self, good):
-        stream = self._streams()[0]
-        self._check_dimension(good)
-        return describe(resample(good, stream.sampling, stream.points), stream)
+    def _judge(self, X):
+        """Log posteriors (N, C), whether each could be judged (N,), the best gesture's number (N,) and its margin (N,)."""
+        check_is_fitted(self, "streams_")
+        cleaned, kept = self._clean(X)
+        prior = np.log(self.counts_ / self.counts_.sum())
+        usual = prior if self.priors == "observed" else np.full(len(prior), -np.log(len(prior)))
+        log_posterior, margin = np.tile(usual, (len(cleaned), 1)), np.full(len(cleaned), -np.inf)
+        views = self._describe([t for t in cleaned if t is not None]) if kept.any() else {}
+        if views:
+            log_posterior[kept] = self._log_posterior(views, prior)
+        named = log_posterior.copy()
+        if self.garbage_ >= 0 and len(self.classes_) > 1:
+            named[:, self.garbage_] = -np.inf
+        label = named.argmax(axis=1)
+        if views:
+            margin[kept] = self.gate_.margin(views[self._streams()[0]], label[kept])
+        return log_posterior, kept, label, margin
+
+    def _describe(self, good):
+        """Observations (N, T, D) of cleaned trajectories for each stream."""
+        if _dimension(good) != self.dimension_:
+            raise InputError(
+                f"gesture classifier: trained on {self.dimension_} coordinates a point, got {_dimension(good)}"
+            )
+        streams = self._streams()
+        points = {key: resample(good, *key) for key in {(s.sampling, s.points) for s in streams}}
+        return {s: describe(points[s.sampling, s.points], s) for s in streams}
+
+    def _log_posterior(self, views, prior):
+        total = sum(model.log_posterior(views[model.stream], prior) for model in self.streams_) / len(self.streams_)
+        if self.priors == "uniform":
+            total -= prior
+        total -= total.max(axis=1, keepdims=True)
+        return total - np.log(np.exp(total).sum(axis=1, keepdims=True))
 
     def _streams(self):
         if isinstance(self.streams, str):
@@ -177,12 +170,6 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     def _clean(self, X):
         cleaned = [clean(t) for t in X]
         return cleaned, np.array([t is not None for t in cleaned], bool)
-
-    def _check_dimension(self, good):
-        if _dimension(good) != self.dimension_:
-            raise InputError(
-                f"gesture classifier: trained on {self.dimension_} coordinates a point, got {_dimension(good)}"
-            )
 
     def __sklearn_tags__(self):
         tags = super().__sklearn_tags__()

@@ -10,6 +10,7 @@ Log probabilities are natural logarithms of densities in the unit of the feature
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from vipr.systems.errors import InputError
 
 LOG_2PI = float(np.log(2.0 * np.pi))
 COVARIANCES = ("full", "diag", "tied")
+AT_ONCE = 2**21  # densities that are held in memory while scoring
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +53,12 @@ class HmmBank:
         scale = np.where(rows == columns, -0.5, -1.0)
         return np.concatenate([precision[..., rows, columns] * scale, linear, constant[..., None]], axis=-1)
 
+    @cached_property
+    def projection(self) -> np.ndarray:
+        """(F, S M K): ``natural()`` as the matrix that ``emissions`` multiplies by."""
+        M, S, K, _ = self.shape
+        return np.swapaxes(self.natural(), 0, 1).reshape(S * M * K, -1).T.copy()
+
     def __getitem__(self, chosen) -> "HmmBank":
         """The bank of the chosen models (slice, indices or mask)."""
         return HmmBank(*(np.asarray(getattr(self, f))[chosen] for f in self.__dataclass_fields__))
@@ -79,8 +87,7 @@ def emissions(bank: HmmBank, x: np.ndarray) -> np.ndarray:
     """Log density of every point in every state of every model: x (N, T, d) gives (T, N, S, M)."""
     M, S, K, _ = bank.shape
     phi = quadratic(np.swapaxes(x, 0, 1))
-    weights = np.swapaxes(bank.natural(), 0, 1).reshape(S * M * K, -1)
-    log_b = (phi.reshape(-1, phi.shape[-1]) @ weights.T).reshape(*phi.shape[:2], S, M, K)
+    log_b = (phi.reshape(-1, phi.shape[-1]) @ bank.projection).reshape(*phi.shape[:2], S, M, K)
     return log_sum(log_b) if K > 1 else log_b[..., 0]
 
 
@@ -148,6 +155,13 @@ def score(bank: HmmBank, x: np.ndarray, lengths: np.ndarray | None = None, metho
     x = np.asarray(x, float)
     if x.ndim != 3 or x.shape[-1] != bank.shape[-1]:
         raise InputError(f"hmm: sequences must be (N, T, {bank.shape[-1]}), got {x.shape}")
+    step = max(1, AT_ONCE // (x.shape[1] * int(np.prod(bank.shape[:3]))))
+    parts = [slice(a, a + step) for a in range(0, len(x), step)]
+    scores = [_score(bank, x[p], None if lengths is None else lengths[p], method) for p in parts]
+    return np.concatenate(scores) if scores else np.zeros((0, bank.shape[0]))
+
+
+def _score(bank, x, lengths, method):
     together = np.logaddexp if method == "forward" else np.maximum
     log_b, stay, into = emissions(bank, x), bank.stay.T.copy(), bank.leave.T[:-1].copy()
     now = np.full(log_b.shape[1:], -np.inf)

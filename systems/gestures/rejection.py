@@ -24,7 +24,9 @@ class Gate:
 
     def margin(self, x: np.ndarray, label: np.ndarray) -> np.ndarray:
         """(N,) log likelihood per point of x (N, T, D) under its label's model above the best garbage model's [nats]."""
-        own = score(self.gestures, x)[np.arange(len(x)), label]
+        own = np.empty(len(x))
+        for c in np.unique(label):
+            own[label == c] = score(self.gestures[[c]], x[label == c])[:, 0]
         return (own - score(self.anything, x).max(axis=1)) / x.shape[1]
 
     def best_margin(self, x: np.ndarray, garbage: int) -> np.ndarray:

@@ -23,9 +23,8 @@ class StreamModel:
     bank: SharpBank | HmmBank
     classes: np.ndarray
 
-    def log_posterior(self, trajectories, prior: np.ndarray) -> np.ndarray:
-        """(N, C) of cleaned trajectories; ``prior`` (C,) are log probabilities, used by likelihood models."""
-        x = describe(resample(trajectories, self.stream.sampling, self.stream.points), self.stream)
+    def log_posterior(self, x: np.ndarray, prior: np.ndarray) -> np.ndarray:
+        """(N, C) of observations x (N, T, D) of the stream; ``prior`` (C,) are log probabilities, used by likelihood models."""
         if isinstance(self.bank, SharpBank):
             return self.bank.log_posterior(x)
         starts = np.flatnonzero(np.r_[True, np.diff(self.classes) > 0])
