@@ -20,6 +20,10 @@ TABLES = {
         "Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels.",
         "time, rooms, light, clips, pixels",
     ),
+    "gestures": (
+        "Gesture models: correctness and speed beside hmmlearn, real handwriting, real pauses.",
+        "likelihoods, speed, handwriting, phases",
+    ),
     "arm": (
         "The arm: clearance against the real model's distances, limits under wild twists, time.",
         "clearance, limits, time",

@@ -2,7 +2,7 @@
 
 Each stream describes a trajectory in its own way and has one left-right HMM a gesture, more where a gesture is made in clearly
 different ways. The models are trained by likelihood (segmental, Baum-Welch), then sharpened against each other by mutual information;
-the streams' log posteriors are averaged. Whether something is a gesture at all is asked of the likelihood: is it, per point,
+the streams' log posteriors are averaged by weight. Whether something is a gesture at all is asked of the likelihood: is it, per point,
 far below what held-out examples reached beside a garbage model of all gestures together?
 """
 
@@ -22,6 +22,8 @@ STREAMS = {
         Stream(("position", "direction")),
         Stream(("position", "direction", "turning")),
         Stream(("position", "velocity"), sampling="time"),
+        Stream(("rows",), weight=0.5),
+        Stream(("columns",), weight=0.5),
     ),
     # The three rows of Table II: image position, image velocity, both; equal steps of time.
     "position": (Stream(("position",), sampling="time", scale="box", smoothing=0),),
@@ -57,7 +59,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     """
 
     def __init__(
-        self, streams="default", states=8, covariance="diag", mixtures=1, allograph_gain=0.35, discriminative=True, distortion=1.0,
+        self, streams="default", states=8, covariance="diag", mixtures=1, allograph_gain=0.3, discriminative=True, distortion=1.0,
         backwards=0.08, priors="observed", garbage=None, false_rejection=0.01, updates=500, seed=0,
     ):  # fmt: skip
         self.streams, self.states, self.covariance, self.mixtures = streams, states, covariance, mixtures
@@ -152,7 +154,9 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         return {s: describe(points[s.sampling, s.points], s) for s in streams}
 
     def _log_posterior(self, views, prior):
-        total = sum(model.log_posterior(views[model.stream], prior) for model in self.streams_) / len(self.streams_)
+        weights = np.array([model.stream.weight for model in self.streams_])
+        parts = [model.log_posterior(views[model.stream], prior) for model in self.streams_]
+        total = np.tensordot(weights / weights.sum(), parts, 1)
         if self.priors == "uniform":
             total -= prior
         total -= total.max(axis=1, keepdims=True)

@@ -17,7 +17,7 @@ from vipr.systems.gestures.rejection import Gate
 from vipr.systems.gestures.stream_models import StreamModel
 from vipr.systems.gestures.trajectories import Stream
 
-FORMAT, VERSION = "vipr-gestures", 1
+FORMAT, VERSION = "vipr-gestures", 2
 BANKS = {"likelihood": HmmBank, "sharp": SharpBank}
 
 

@@ -12,6 +12,8 @@ from vipr.systems.gestures.trajectories import Distortion, Stream, describe, dis
 
 ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the number
 COPIES = 0.75  # share of distorted copies while sharpening
+PICTURE_GAIN = 1.0 / 3.0  # pictures have many more coordinates: a split explains less of their scatter
+PICTURE_TEMPER = 0.4  # and their log likelihoods are as much larger
 CLAIMED = 0.1  # a class whose reversed examples are claimed by others more often than this is not taken backwards
 
 
@@ -54,8 +56,8 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
     if options.allograph_gain is None:
         model, classes = labels, np.arange(labels.max() + 1)
     else:
-        shape = describe(points, replace(stream, features=("position",)))
-        model, classes = allographs(shape, labels, options.allograph_gain)
+        shape = describe(points, stream if stream.picture else replace(stream, features=("position",)))
+        model, classes = allographs(shape, labels, options.allograph_gain * (PICTURE_GAIN if stream.picture else 1.0))
     sharp = options.discriminative and len(classes) > 1 and labels.max() > 0
     if sharp:
         source = fill_up(labels, ENOUGH if options.distortion else 0)
@@ -64,7 +66,7 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
             np.concatenate([a, b]) for a, b in ((points, copies), (labels, labels[source]), (model, model[source]))
         )
     x = describe(points, stream)
-    lengths = np.full(len(x), stream.points)
+    lengths = np.full(len(x), x.shape[1])
     spec = HmmSpec(
         8 if options.states == "validated" else options.states, 1 if sharp else options.mixtures,
         "diag" if sharp else options.covariance, prior=2.0, segmental=6, baum_welch=5 if sharp else 20,
@@ -74,19 +76,20 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
     if not sharp:
         return StreamModel(stream, bank, classes)
     turned = np.zeros(labels.max() + 1, bool)
-    if options.backwards:
+    if options.backwards and not stream.picture:
         turned = _unclaimed(bank, x, model, describe(points[:, ::-1], stream), labels, classes)
     if turned.any():
         extra = np.flatnonzero(turned[labels])
         number = (np.cumsum(turned) - 1)[labels[extra]] + len(classes)
         bank = train(
-            np.concatenate([x, describe(points[extra, ::-1], stream)]), np.full(len(x) + len(extra), stream.points),
+            np.concatenate([x, describe(points[extra, ::-1], stream)]), np.full(len(x) + len(extra), x.shape[1]),
             np.concatenate([model, number]), spec, None if states is None else np.r_[states, np.full(turned.sum(), spec.states)],
         )  # fmt: skip
         classes = np.concatenate([classes, np.flatnonzero(turned)])
         order = np.argsort(classes, kind="stable")
         bank, classes = bank[order], classes[order]
-    mmi = MmiSpec(updates=options.updates, seed=options.seed)
+    temper = MmiSpec.temper * (PICTURE_TEMPER if stream.picture else 1.0)
+    mmi = MmiSpec(updates=options.updates, seed=options.seed, temper=temper)
 
     def draw(chosen, rng):
         p = points[chosen]

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vipr.systems.errors import InputError
+from vipr.systems.gestures.ink import ink
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,7 @@ class Stream:
     points: int = 32
     smoothing: int = 1  # passes of a (1 2 1)/4 filter over the resampled points
     scale: str = "spread"  # spread: unit RMS distance from the centroid; box: unit longer side; none: as given, not centred either
+    weight: float = 1.0  # of its log posterior among those of other streams
 
     def __post_init__(self):
         for name, value, allowed in (
@@ -41,11 +43,20 @@ class Stream:
             if value not in allowed:
                 raise InputError(f"gesture stream: {name} is one of {', '.join(allowed)}, got {value!r}")
         unknown = [f for f in self.features if f not in FEATURES]
-        if unknown or not self.features or self.points < 4 or self.smoothing < 0:
+        if unknown or not self.features or self.points < 4 or self.smoothing < 0 or not self.weight > 0:
             raise InputError(
-                f"gesture stream: features are among {', '.join(FEATURES)}, at least 4 points, smoothing not negative; "
-                f"got {self.features}, {self.points} points, smoothing {self.smoothing}"
+                f"gesture stream: features are among {', '.join(FEATURES)}, at least 4 points, smoothing not negative, weight positive; "
+                f"got {self.features}, {self.points} points, smoothing {self.smoothing}, weight {self.weight}"
             )
+        if self.picture and len(self.features) > 1:
+            raise InputError(
+                f"gesture stream: rows or columns of a picture go with no other feature, got {self.features}"
+            )
+
+    @property
+    def picture(self) -> bool:
+        """Whether the observations are lines of a picture, which do not show in what order it was drawn."""
+        return bool({"rows", "columns"} & set(self.features))
 
 
 def clean(trajectory) -> Trajectory | None:
@@ -165,12 +176,23 @@ def _box(points):
     return (points - 0.5 * (low + high)) / np.maximum(size, 1e-12)
 
 
+def _picture(points, axis):
+    """Ink of each pair of coordinates; a single coordinate is drawn over time."""
+    N, T, d = points.shape
+    if d == 1:
+        points = np.concatenate([np.broadcast_to(np.linspace(0.0, 1.0, T)[:, None], (N, T, 1)), points], axis=-1)
+    pairs = [ink(_box(points[..., k : k + 2]), axis) for k in range(0, max(d - 1, 1), 2)]
+    return np.concatenate(pairs, axis=-1)
+
+
 FEATURES = {
     "position": lambda points: points,
     "velocity": _velocity,
     "direction": _direction,
     "turning": _turning,
     "box": _box,
+    "rows": lambda points: _picture(points, 1),
+    "columns": lambda points: _picture(points, 0),
 }
 
 

@@ -1,62 +1,12 @@
 """Likelihoods against enumeration and hmmlearn; training against hmmlearn's."""
 
-import itertools
-
 import numpy as np
 import pytest
-from hmmlearn.hmm import GMMHMM, GaussianHMM
 
+from vipr.scenarios.bench.gestures.reference import as_hmmlearn, enumerate_paths, random_bank
 from vipr.systems.errors import InputError
-from vipr.systems.gestures.hmm import HmmBank, backward, best_path, emissions, forward, pad, score
+from vipr.systems.gestures.hmm import backward, best_path, emissions, forward, pad, score
 from vipr.systems.gestures.training import HmmSpec, choose_states, train
-
-
-def random_bank(rng, M=3, S=4, K=1, d=2, states=None):
-    root = rng.normal(size=(M, S, K, d, d))
-    weights = rng.uniform(0.2, 1.0, (M, S, K))
-    states = np.full(M, S) if states is None else np.array(states)
-    keep = rng.uniform(0.3, 0.9, (M, S))
-    last = np.arange(S) >= states[:, None] - 1
-    with np.errstate(divide="ignore"):
-        leave = np.where(last, -np.inf, np.log(1 - keep))
-    return HmmBank(
-        rng.normal(size=(M, S, K, d)),
-        root @ np.swapaxes(root, -1, -2) + 0.3 * np.eye(d),
-        np.log(weights / weights.sum(-1, keepdims=True)),
-        np.where(last, 0.0, np.log(keep)),
-        leave,
-        states,
-    )
-
-
-def density(bank, m, s, x):
-    total = 0.0
-    for k in range(bank.shape[2]):
-        C, e = bank.covariances[m, s, k], x - bank.means[m, s, k]
-        quotient = np.sqrt((2 * np.pi) ** len(e) * np.linalg.det(C))
-        total += np.exp(bank.log_weights[m, s, k] - 0.5 * e @ np.linalg.inv(C) @ e) / quotient
-    return total
-
-
-def enumerate_paths(bank, m, x):
-    """Probability of every path of states, by the definition."""
-    for path in itertools.product(range(bank.shape[1]), repeat=len(x)):
-        p = float(path[0] == 0) * density(bank, m, path[0], x[0])
-        for t in range(1, len(x)):
-            i, j = path[t - 1], path[t]
-            p *= np.exp(bank.stay[m, i]) if j == i else np.exp(bank.leave[m, i]) if j == i + 1 else 0.0
-            p *= density(bank, m, j, x[t])
-        yield p, path
-
-
-def as_hmmlearn(bank, m):
-    S, d = bank.shape[1], bank.shape[3]
-    model = GaussianHMM(S, "full", init_params="", params="")
-    model.startprob_ = np.eye(S)[0]
-    A = np.diag(np.exp(bank.stay[m]))
-    A[np.arange(S - 1), np.arange(1, S)] = np.exp(bank.leave[m, :-1])
-    model.transmat_, model.means_, model.covars_ = A, bank.means[m, :, 0], bank.covariances[m, :, 0].reshape(S, d, d)
-    return model
 
 
 @pytest.mark.parametrize("K", [1, 2])
@@ -198,11 +148,7 @@ def test_bad_requests_are_told_apart(rng):
 
 def test_mixture_scores_equal_hmmlearns(rng):
     bank, x = random_bank(rng, M=1, S=3, K=2), rng.normal(size=(8, 2))
-    model = GMMHMM(3, 2, covariance_type="full", init_params="", params="")
-    model.startprob_, model.n_features = np.eye(3)[0], 2
-    one = as_hmmlearn(bank, 0)
-    model.transmat_, model.means_, model.covars_ = one.transmat_, bank.means[0], bank.covariances[0]
-    model.weights_ = np.exp(bank.log_weights[0])
+    model = as_hmmlearn(bank, 0, mixtures=True)
     assert score(bank, x[None])[0, 0] == pytest.approx(model.score(x), abs=1e-9)
 
 
