@@ -16,7 +16,9 @@ CameraOption = Annotated[
     str,
     typer.Option(help="rendered: person in a room, filmed and tracked; stand-in: projected hands with 1 px of noise."),
 ]
+JobsOption = Annotated[int, typer.Option(min=1, help="Sittings filmed at a time; one core each.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")]
+FILMING = {"rendered": "filming", "stand-in": "projecting"}
 
 
 def register(app: typer.Typer) -> None:
@@ -34,6 +36,7 @@ def graffiti(
         int, typer.Option(min=0, help="Alphabets a writer; 0: 2230 sequences of five writers, as in the paper.")
     ] = 0,
     seed: SeedOption = 1,
+    jobs: JobsOption = 1,
     cache: CacheOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -43,15 +46,15 @@ def graffiti(
 
     from vipr.scenarios.command.gestures import _maker
     from vipr.scenarios.command.output import output_folder
-    from vipr.scenarios.experiments.films import cache_folder
-    from vipr.scenarios.experiments.graffiti import ROWS, SEQUENCES, WRITERS, drawings, film_writers, table_two
+    from vipr.scenarios.experiments.films import cache_folder, film
+    from vipr.scenarios.experiments.graffiti import ROWS, WRITERS, drawings, sittings, table_two
     from vipr.scenarios.gesture_pictures import confusion_picture
 
     _check(camera)
     folder, kept = output_folder(out), cache_folder(cache)
-    total = SEQUENCES if alphabets == 0 else WRITERS * alphabets * 26
-    with _progress({"rendered": "filming", "stand-in": "projecting"}[camera], total) as step:
-        reels = film_writers(seed, camera, kept, alphabets or None, lambda n: step(1))
+    planned = sittings(seed, camera, alphabets or None)
+    with _progress(FILMING[camera], sum(len(s.labels) for s in planned)) as step:
+        reels = film(planned, kept, jobs, step)
     table = drawings(reels)
     with _progress("training and testing", 1.0) as step:
         at = [0.0]
@@ -107,6 +110,7 @@ def instructions(
         float, typer.Option(min=0.05, max=1.0, help="Share of the sequences; 1: 500 for training, 320 for test.")
     ] = 1.0,
     seed: SeedOption = 1,
+    jobs: JobsOption = 1,
     cache: CacheOption = None,
     model: Annotated[Path | None, typer.Option(help="Write the trained model to this file.")] = None,
     as_json: JsonOption = False,
@@ -117,7 +121,7 @@ def instructions(
 
     from vipr.scenarios.command.output import output_folder
     from vipr.scenarios.experiments import instruction_trial as trial
-    from vipr.scenarios.experiments.films import cache_folder
+    from vipr.scenarios.experiments.films import cache_folder, film
     from vipr.scenarios.gesture_pictures import confusion_picture, rejection_picture
     from vipr.systems.errors import InputError
     from vipr.systems.gestures.model_file import save_model
@@ -126,11 +130,9 @@ def instructions(
     if model is not None and not model.resolve().parent.is_dir():
         raise InputError(f"--model {model}: its folder must exist")
     folder, kept = output_folder(out), cache_folder(cache)
-    total = round(share * sum(n for _, *counts in (trial.TRAINING, trial.TEST) for n in counts))
-    with _progress({"rendered": "filming", "stand-in": "projecting"}[camera], total) as step:
-        training, test = (
-            trial.film_people(test, seed, camera, kept, share, lambda n: step(1)) for test in (False, True)
-        )
+    planned = [trial.sittings(test, seed, camera, share) for test in (False, True)]
+    with _progress(FILMING[camera], sum(len(s.labels) for part in planned for s in part)) as step:
+        training, test = (film(part, kept, jobs, step) for part in planned)
     with _progress("training", 1.0) as step:
         at = [0.0]
 

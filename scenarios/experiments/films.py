@@ -7,7 +7,10 @@ one file.
 import hashlib
 import os
 import zipfile
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from itertools import repeat
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -68,50 +71,66 @@ def cache_folder(folder: Path | None = None) -> Path:
     return base
 
 
-def reel(
-    name: str,
-    person: str,
-    paths,
-    labels,
-    bounds,
-    targets=None,
-    *,
-    camera: str,
-    seed: int,
-    folder: Path,
-    tick=lambda n: None,
-) -> Reel:
-    """The reel of these hand paths (``HandPaths``), filmed or read from the cache.
+@dataclass(frozen=True, eq=False)
+class Sitting:
+    """What one person is to do before the camera, film by film."""
 
-    ``camera`` is "rendered" (living room and tracker) or "stand-in" (projection with 1 px of noise). ``tick(frames)`` is called a film.
-    The file's name carries a hash of the paths, the person, the seed and the camera.
+    name: str  # of its file in the cache
+    person: str
+    paths: list  # of HandPaths
+    labels: list[str]
+    bounds: list[tuple[int, int]]  # first and last frame of the gesture proper
+    camera: str  # rendered (living room and tracker) | stand-in (projection with 1 px of noise)
+    seed: int  # draws body, look, idle motion, noise
+    targets: np.ndarray | None = None  # (N, 2) directions pointed to
+
+    @property
+    def file(self) -> str:
+        """Name of the file, with a hash of the paths, the person, the seed and the camera."""
+        digest = hashlib.sha256(f"2 {self.camera} {self.person} {self.seed}".encode())
+        for path in self.paths:
+            for hand in (path.right, path.left):
+                digest.update(b"-" if hand is None else np.round(hand, 6).tobytes())
+        return f"{self.name}-{digest.hexdigest()[:16]}.npz"
+
+
+def film(sittings: list[Sitting], folder: Path, jobs: int = 1, tick=lambda n: None) -> list[Reel]:
+    """The reels of all sittings, filmed or read from the cache, ``jobs`` at a time; ``tick(films)`` is told how many more are there.
+
+    A sitting that is filmed is kept at once: what was interrupted goes on from there.
     """
-    digest = hashlib.sha256(f"2 {camera} {person} {seed}".encode())
-    for path in paths:
-        for hand in (path.right, path.left):
-            digest.update(b"-" if hand is None else np.round(hand, 6).tobytes())
-    file = folder / f"{name}-{digest.hexdigest()[:16]}.npz"
-    table = _read(file)
-    if table is None:
-        films = (_rendered if camera == "rendered" else _stand_in)(paths, seed, tick)
-        table = {name: np.concatenate([f[k] for f in films]) for k, name in enumerate(COLUMNS[:-1])}
-        table["lengths"] = np.array([len(f[0]) for f in films])
-        part = file.with_suffix(f".{os.getpid()}.part")
-        with part.open("wb") as out:
-            np.savez_compressed(out, **table)
-        part.replace(file)
+    there = [_read(folder / s.file) for s in sittings]
+    tick(sum(len(s.labels) for s, table in zip(sittings, there, strict=True) if table is not None))
+    missing = [k for k, table in enumerate(there) if table is None]
+    if jobs == 1 or len(missing) < 2:
+        for k in missing:
+            there[k] = _make(sittings[k], folder, tick)
     else:
-        for path in paths:
-            tick(len(path))
+        with ProcessPoolExecutor(min(jobs, len(missing)), get_context("spawn")) as pool:
+            for k, table in zip(missing, pool.map(_make, [sittings[k] for k in missing], repeat(folder)), strict=True):
+                there[k] = table
+                tick(len(sittings[k].labels))
+    return [_reel(s, table) for s, table in zip(sittings, there, strict=True)]
+
+
+def _make(sitting, folder, tick=lambda n: None):
+    films = (_rendered if sitting.camera == "rendered" else _stand_in)(sitting.paths, sitting.seed, tick)
+    table = {name: np.concatenate([f[k] for f in films]) for k, name in enumerate(COLUMNS[:-1])}
+    table["lengths"] = np.array([len(f[0]) for f in films])
+    file = folder / sitting.file
+    part = file.with_suffix(f".{os.getpid()}.part")
+    with part.open("wb") as out:
+        np.savez_compressed(out, **table)
+    part.replace(file)
+    return table
+
+
+def _reel(sitting, table):
     cuts = np.cumsum(table["lengths"])[:-1]
     columns = [np.split(table[name], cuts) for name in COLUMNS[:-1]]
-    nowhere = np.full((len(labels), 2), np.nan)
+    targets = np.full((len(sitting.labels), 2), np.nan) if sitting.targets is None else sitting.targets
     return Reel(
-        np.asarray(labels),
-        *columns,
-        np.asarray(bounds),
-        person,
-        nowhere if targets is None else np.asarray(targets, float),
+        np.asarray(sitting.labels), *columns, np.asarray(sitting.bounds), sitting.person, np.asarray(targets, float)
     )
 
 
@@ -124,13 +143,15 @@ def _read(file):
 
 
 def _rendered(paths, seed, tick):
+    os.environ.setdefault("LP_NUM_THREADS", "1")  # of the software renderer: pictures are small, films run side by side
     from vipr.scenarios.living_room_film import film_gestures
 
     films = []
     for film in film_gestures([_greeting(), *paths], seed=seed, truth=False):
         t = film.tracks
         films.append((t.positions, t.seen, t.merged, t.areas))
-        tick(len(t.time))
+        if len(films) > 1:
+            tick(1)
     return films[1:]
 
 
@@ -165,5 +186,5 @@ def _stand_in(paths, seed, tick):
         seen = np.ones((n, 3), bool)
         noise = rng.normal(0.0, 1.0, (n, 3, 2))
         films.append((np.stack(pixels, axis=1) + noise, seen, ~seen, np.tile([170.0, 80.0, 80.0], (n, 1))))
-        tick(n)
+        tick(1)
     return films

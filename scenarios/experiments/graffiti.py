@@ -1,10 +1,10 @@
 """Table II again: 26 Graffiti letters of five writers, drawn in the air, filmed, tracked, recognised (paper, II-A.4)."""
 
-from pathlib import Path
+from itertools import product
 
 import numpy as np
 
-from vipr.scenarios.experiments.films import HOLD, RATE, Reel, reel
+from vipr.scenarios.experiments.films import HOLD, RATE, Reel, Sitting
 from vipr.scenarios.experiments.writers import Writer, draw, graffiti
 from vipr.scenarios.gesture_evaluation import Evaluation, cross_validate, train_and_test
 from vipr.systems.gestures.segmentation import segment
@@ -15,31 +15,26 @@ SEQUENCES, WRITERS = 2230, 5  # as in the paper
 FACE = 13.0  # px, a face at the camera's distance
 
 
-def film_writers(seed: int, camera: str, folder: Path, rounds: int | None = None, tick=lambda n: None) -> list[Reel]:
-    """Reels of the five writers, one an alphabet: 2230 sequences, or ``rounds`` alphabets a writer."""
+def sittings(seed: int, camera: str, rounds: int | None = None) -> list[Sitting]:
+    """What the five writers are to draw, a sitting an alphabet: 2230 letters, or ``rounds`` alphabets a writer."""
     from vipr.scenarios.person_motion import HandPaths, plane_path
 
     letters = graffiti()
-    reels = []
-    for w in range(WRITERS):
+    wanted = SEQUENCES // WRITERS if rounds is None else rounds * len(letters)
+    planned = []
+    for number, w in product(range(-(-wanted // len(letters))), range(WRITERS)):
         writer = Writer.drawn(100 * seed + w)
-        wanted = SEQUENCES // WRITERS if rounds is None else rounds * len(letters)
-        for number in range(-(-wanted // len(letters))):
-            rng = np.random.default_rng([seed, w, number])
-            names = [str(a) for a in rng.permutation(list(letters))][: wanted - number * len(letters)]
-            paths, bounds = [], []
-            for name in names:
-                drawing = draw(writer, name, letters[name], rng)
-                held = np.concatenate([drawing, np.repeat(drawing[-1:], HOLD, 0)])
-                paths.append(HandPaths(right=plane_path(held, size=writer.size, centre=(-0.24, -0.2))))
-                bounds.append((0, len(drawing) - 1))
-            reels.append(
-                reel(
-                    f"graffiti-{camera}-{seed}-{w}-{number}", f"writer {w + 1}", paths, names, bounds,
-                    camera=camera, seed=1000 * seed + w, folder=folder, tick=tick,
-                )
-            )  # fmt: skip
-    return reels
+        rng = np.random.default_rng([seed, w, number])
+        names = [str(a) for a in rng.permutation(list(letters))][: wanted - number * len(letters)]
+        paths, bounds = [], []
+        for name in names:
+            drawing = draw(writer, name, letters[name], rng)
+            held = np.concatenate([drawing, np.repeat(drawing[-1:], HOLD, 0)])
+            paths.append(HandPaths(right=plane_path(held, size=writer.size, centre=(-0.24, -0.2))))
+            bounds.append((0, len(drawing) - 1))
+        name = f"graffiti-{camera}-{seed}-{w}-{number}"
+        planned.append(Sitting(name, f"writer {w + 1}", paths, names, bounds, camera, 1000 * seed + w))
+    return planned
 
 
 def drawings(reels: list[Reel]) -> GestureTable:

@@ -1,40 +1,38 @@
 """The robot's own language on trial: trained on some people, tested on others, and on hands that mean nothing (paper, II-A.4)."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from vipr.scenarios.experiments.films import RATE, Reel, reel
-from vipr.scenarios.experiments.instructions import GARBAGE, LANGUAGE, Person, sitting
+from vipr.scenarios.experiments.films import RATE, Reel, Sitting
+from vipr.scenarios.experiments.instructions import GARBAGE, LANGUAGE, Person, perform_all
 from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.segmentation import MotionBelief, PauseSettings, advance
 from vipr.systems.gestures.trajectories import Trajectory
 
 TRAINING = (6, 500, 240)  # people, gestures, non-gestures
+SITTING = 25  # films, at most
 TEST = (4, 320, 240)  # as in the paper: 320 sequences of four people who were not in training
 
 
-def film_people(
-    test: bool, seed: int, camera: str, folder: Path, share: float = 1.0, tick=lambda n: None
-) -> list[Reel]:
-    """One reel a person; ``share`` of the sequences (the whole at 1)."""
+def sittings(test: bool, seed: int, camera: str, share: float = 1.0) -> list[Sitting]:
+    """What the people are to do, each in several sittings; the first ``share`` of each person's sittings."""
     people, gestures, others = TEST if test else TRAINING
-    reels = []
+    group, planned = "test" if test else "training", []
     for n in range(people):
         rng = np.random.default_rng([seed, int(test), n])
-        count = round(share * gestures * (n + 1) / people) - round(share * gestures * n / people)
-        wanted = [list(LANGUAGE)[k % len(LANGUAGE)] for k in range(count)] + [GARBAGE] * round(share * others / people)
-        names = [str(a) for a in rng.permutation(wanted)]
+        count = gestures * (n + 1) // people - gestures * n // people
+        wanted = [list(LANGUAGE)[k % len(LANGUAGE)] for k in range(count)] + [GARBAGE] * (others // people)
         number = 1000 * seed + 100 * test + n
-        paths, bounds, targets = sitting(Person.drawn(number), names, rng)
-        who = f"{'test' if test else 'training'} person {n + 1}"
-        name = f"instructions-{camera}-{seed}-{'test' if test else 'training'}-{n}"
-        reels.append(
-            reel(name, who, paths, names, bounds, targets, camera=camera, seed=number, folder=folder, tick=tick)
-        )
-    return reels
+        parts = np.array_split(rng.permutation(wanted), -(-len(wanted) // SITTING))
+        for part, names in enumerate(parts[: max(1, round(share * len(parts)))]):
+            paths, bounds, targets = perform_all(
+                Person.drawn(number), names.tolist(), np.random.default_rng([number, part])
+            )
+            name, person = f"instructions-{camera}-{seed}-{group}-{n}-{part}", f"{group} person {n + 1}"
+            planned.append(Sitting(name, person, paths, names.tolist(), bounds, camera, number, targets))
+    return sorted(planned, key=lambda s: int(s.name.rsplit("-", 1)[1]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -186,7 +186,7 @@ def idle(person: Person, rng: np.random.Generator, hold: int = PAUSE) -> tuple[H
     return HandPaths(*paths), kind
 
 
-def sitting(
+def perform_all(
     person: Person, names: list[str], rng: np.random.Generator
 ) -> tuple[list[HandPaths], list[tuple[int, int]], np.ndarray]:
     """Paths, bounds and directions of a row of gestures (``GARBAGE`` for a non-gesture)."""
@@ -200,40 +200,3 @@ def sitting(
         bounds.append((0, len(path) - PAUSE - 1))
         targets.append(target)
     return paths, bounds, np.array(targets)
-
-
-def bring_up(path: HandPaths, pause: float = 0.4) -> HandPaths:
-    """The gesture as a whole performance: hands come up from hanging, pause, gesture, pause, and go down again."""
-    from vipr.models.person.generate import BODIES
-
-    n = int(pause * RATE)
-    hands = []
-    for side in ("right", "left"):
-        p = getattr(path, side)
-        if p is None:
-            hands.append(None)
-            continue
-        r = rest(BODIES["medium"], side)
-        up = timed(along(np.array([r, p[0]]), DENSE), 0.7, RATE, least=0.8)
-        down = timed(along(np.array([p[-1], r]), DENSE), 0.7, RATE, least=0.8)
-        hands.append(
-            [
-                np.repeat(r[None], n, 0),
-                up,
-                np.repeat(p[:1], n, 0),
-                p,
-                np.repeat(p[-1:], n, 0),
-                down,
-                np.repeat(r[None], n, 0),
-            ]
-        )
-    longest = [max(len(h[k]) for h in hands if h is not None) for k in range(7)]
-    joined = [
-        None
-        if h is None
-        else np.concatenate(
-            [np.pad(s, ((0, m - len(s)), (0, 0)), mode="edge") for s, m in zip(h, longest, strict=True)]
-        )
-        for h in hands
-    ]
-    return HandPaths(*joined)

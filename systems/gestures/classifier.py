@@ -1,9 +1,9 @@
 """``GestureClassifier``: hidden Markov models of several descriptions of a trajectory, with scikit-learn's conventions.
 
-Each stream describes a trajectory in its own way and has one left-right HMM a gesture, more where a gesture is made in clearly
-different ways. The models are trained by likelihood (segmental, Baum-Welch), then sharpened against each other by mutual information;
-the streams' log posteriors are averaged by weight. Whether something is a gesture at all is asked of the likelihood: is it, per point,
-far below what held-out examples reached beside a garbage model of all gestures together?
+Each stream describes a trajectory in its own way, as movement or as the picture it leaves, and has one left-right HMM a gesture, more
+where a gesture is made in clearly different ways. The models are trained by likelihood (segmental, Baum-Welch), then sharpened against
+each other by mutual information; the streams' log posteriors are averaged. Whether something is a gesture at all is asked of the
+likelihood: is it, per point, far below what held-out examples reached beside a garbage model of all gestures together?
 """
 
 from dataclasses import fields
@@ -22,8 +22,8 @@ STREAMS = {
         Stream(("position", "direction")),
         Stream(("position", "direction", "turning")),
         Stream(("position", "velocity"), sampling="time"),
-        Stream(("rows",), weight=0.5),
-        Stream(("columns",), weight=0.5),
+        Stream(("rows",)),
+        Stream(("columns",)),
     ),
     # The three rows of Table II: image position, image velocity, both; equal steps of time.
     "position": (Stream(("position",), sampling="time", scale="box", smoothing=0),),
@@ -46,7 +46,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     streams : a name of ``STREAMS`` or a tuple of ``Stream``
     states : number of states of every model, or "validated": chosen per gesture on held-out examples
     covariance, mixtures : "full", "diag" or "tied"; components a state (likelihood models; sharpening uses one diagonal component)
-    allograph_gain : share of scatter that splitting a gesture into two models must explain; None: one model a gesture
+    allograph_gain : share of scatter that splitting a gesture in two must explain (pictures: a third of it); None: one model a gesture
     discriminative : sharpen the models against each other
     distortion : how much copies are distorted while sharpening, 1 for another writer's hand, 0 for none
     backwards : share of examples taken from end to start while sharpening, of gestures that then look like no other; 0: none
@@ -71,6 +71,12 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     def fit(self, X, y, tick=lambda share: None):
         """Train on trajectories X with labels y. ``tick(share)`` is told what share of the work is done."""
         streams = self._streams()
+        options = StreamOptions(**{f.name: getattr(self, f.name) for f in fields(StreamOptions)})
+        if self.priors not in ("observed", "uniform") or not 0 <= self.false_rejection < 1:
+            raise InputError(
+                "gesture classifier: priors is observed or uniform and false_rejection from 0 to below 1, got "
+                f"{self.priors!r} and {self.false_rejection}"
+            )
         cleaned, kept = self._clean(X)
         y = np.asarray(y)
         if y.ndim != 1 or len(y) != len(cleaned):
@@ -87,7 +93,6 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         self.dimension_ = _dimension(good)
         self.counts_ = np.bincount(labels)
         self.streams_ = []
-        options = StreamOptions(**{f.name: getattr(self, f.name) for f in fields(StreamOptions)})
         for n, stream in enumerate(streams):
             shares = iter((n + np.linspace(0.1, 1, self.updates)) / len(streams))
             self.streams_.append(fit_stream(stream, good, labels, options, lambda shares=shares: tick(next(shares))))
@@ -154,9 +159,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         return {s: describe(points[s.sampling, s.points], s) for s in streams}
 
     def _log_posterior(self, views, prior):
-        weights = np.array([model.stream.weight for model in self.streams_])
-        parts = [model.log_posterior(views[model.stream], prior) for model in self.streams_]
-        total = np.tensordot(weights / weights.sum(), parts, 1)
+        total = sum(model.log_posterior(views[model.stream], prior) for model in self.streams_) / len(self.streams_)
         if self.priors == "uniform":
             total -= prior
         total -= total.max(axis=1, keepdims=True)

@@ -4,9 +4,10 @@ from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
+from vipr.systems.errors import InputError
 from vipr.systems.gestures.allographs import allographs
 from vipr.systems.gestures.discriminative import MmiSpec, SharpBank, from_likelihood, sharpen
-from vipr.systems.gestures.hmm import HmmBank, score
+from vipr.systems.gestures.hmm import COVARIANCES, HmmBank, score
 from vipr.systems.gestures.training import HmmSpec, choose_states, own_score, train
 from vipr.systems.gestures.trajectories import Distortion, Stream, describe, distort, fill_up, resample
 
@@ -46,6 +47,20 @@ class StreamOptions:
     backwards: float
     updates: int
     seed: int
+
+    def __post_init__(self):
+        number = isinstance(self.states, (int, np.integer)) and self.states >= 1
+        for name, fine, allowed in (
+            ("states", number or self.states == "validated", "a number from 1 or validated"),
+            ("covariance", self.covariance in COVARIANCES, f"one of {', '.join(COVARIANCES)}"),
+            ("mixtures", self.mixtures >= 1, "a number from 1"),
+            ("allograph_gain", self.allograph_gain is None or 0 <= self.allograph_gain <= 1, "from 0 to 1, or None"),
+            ("distortion", self.distortion >= 0, "not negative"),
+            ("backwards", 0 <= self.backwards <= 1, "from 0 to 1"),
+            ("updates", self.updates >= 0, "not negative"),
+        ):
+            if not fine:
+                raise InputError(f"gesture classifier: {name} is {allowed}, got {getattr(self, name)!r}")
 
 
 def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: StreamOptions, tick) -> StreamModel:

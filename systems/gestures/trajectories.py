@@ -33,7 +33,6 @@ class Stream:
     points: int = 32
     smoothing: int = 1  # passes of a (1 2 1)/4 filter over the resampled points
     scale: str = "spread"  # spread: unit RMS distance from the centroid; box: unit longer side; none: as given, not centred either
-    weight: float = 1.0  # of its log posterior among those of other streams
 
     def __post_init__(self):
         for name, value, allowed in (
@@ -43,10 +42,10 @@ class Stream:
             if value not in allowed:
                 raise InputError(f"gesture stream: {name} is one of {', '.join(allowed)}, got {value!r}")
         unknown = [f for f in self.features if f not in FEATURES]
-        if unknown or not self.features or self.points < 4 or self.smoothing < 0 or not self.weight > 0:
+        if unknown or not self.features or self.points < 4 or self.smoothing < 0:
             raise InputError(
-                f"gesture stream: features are among {', '.join(FEATURES)}, at least 4 points, smoothing not negative, weight positive; "
-                f"got {self.features}, {self.points} points, smoothing {self.smoothing}, weight {self.weight}"
+                f"gesture stream: features are among {', '.join(FEATURES)}, at least 4 points, smoothing not negative; "
+                f"got {self.features}, {self.points} points, smoothing {self.smoothing}"
             )
         if self.picture and len(self.features) > 1:
             raise InputError(

@@ -12,7 +12,7 @@ from sklearn.preprocessing import FunctionTransformer
 from vipr.systems.errors import InputError
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.model_file import load_model, save_model
-from vipr.systems.gestures.trajectories import Trajectory
+from vipr.systems.gestures.trajectories import Stream, Trajectory
 
 SHAPES = {
     "circle": lambda u: (np.cos(6.28 * u), np.sin(6.28 * u)),
@@ -169,6 +169,13 @@ def test_examples_of_non_gestures_teach_rejection():
     assert (classifier.predict(walks[20:]) == "none").mean() > 0.8
 
 
+def test_a_symbol_begun_at_its_other_end_is_known_by_its_picture():
+    X, y = drawings(np.random.default_rng(21))
+    pictures = quick(streams=(Stream(("rows",)), Stream(("columns",)))).fit(X, y)
+    Z, z = drawings(np.random.default_rng(22), each=4)
+    assert pictures.score([x[::-1] for x in Z], z) > 0.9
+
+
 def test_seed_and_data_decide_everything():
     X, y = drawings(np.random.default_rng(17), each=4)
     a, b = quick().fit(X, y), quick().fit(X, y)
@@ -179,6 +186,14 @@ def test_bad_requests_say_what_is_allowed(trained):
     X, y = drawings(np.random.default_rng(18), each=1)
     with pytest.raises(InputError, match="streams is one of default"):
         quick(streams="both").fit(X, y)
+    for bad, message in (
+        ({"states": "many"}, "states is a number from 1 or validated, got 'many'"),
+        ({"covariance": "round"}, "covariance is one of full, diag, tied, got 'round'"),
+        ({"distortion": -1.0}, "distortion is not negative, got -1.0"),
+        ({"priors": "none"}, "priors is observed or uniform"),
+    ):
+        with pytest.raises(InputError, match=message):
+            quick(**bad).fit(X, y)
     with pytest.raises(InputError, match="one label a trajectory, got 4 trajectories"):
         quick().fit(X, y[:2])
     with pytest.raises(InputError, match="trained on 2 coordinates a point, got 3"):

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from vipr.systems.errors import InputError
+from vipr.systems.gestures.ink import ACROSS, LINES, ink
 from vipr.systems.gestures.tables import GestureTable, read_table, write_table
 from vipr.systems.gestures.trajectories import (
+    FEATURES,
     Distortion,
     Stream,
     Trajectory,
@@ -76,6 +78,24 @@ def test_features_have_their_meaning():
     assert x[:, 4:].min() == pytest.approx(-0.5) and x[:, 4:].max() == pytest.approx(0.5)
 
 
+def test_a_picture_shows_where_ink_lies_and_which_way_it_runs():
+    bar = np.linspace([-0.5, 0.2], [0.5, 0.2], 32)[None]
+    rows, columns = ink(bar, 1).reshape(LINES, 3, ACROSS), ink(bar, 0).reshape(LINES, 3, ACROSS)
+    assert rows[:, 0].sum(axis=1).argmax() == round(0.7 * LINES - 0.5)  # one line is full
+    assert (rows[:, 0].sum(axis=1) > 1e-9).sum() <= 2
+    np.testing.assert_allclose(rows[:, 1], rows[:, 0])  # along x: cosine of twice the angle is 1
+    np.testing.assert_allclose(np.ptp(columns[1:-1, 0], axis=0), 0.0, atol=0.02)  # every column is crossed once
+    np.testing.assert_allclose(ink(bar[:, ::-1], 1), ink(bar, 1))
+
+
+@pytest.mark.parametrize("d", [1, 2, 3, 4])
+def test_every_feature_serves_any_number_of_coordinates(d):
+    points = np.cumsum(np.random.default_rng(d).normal(size=(3, 32, d)), axis=1)
+    for feature in FEATURES:
+        x = describe(points, Stream((feature,)))
+        assert x.shape[0] == 3 and np.isfinite(x).all()
+
+
 def test_distorted_copies_are_near_and_none_changes_nothing():
     points = normalise(resample([clean(curve(60, 3))] * 50, "arc", 32))
     copies = normalise(distort(points, "arc", np.random.default_rng(0), Distortion()))
@@ -93,7 +113,13 @@ def test_small_classes_are_filled_up():
 
 
 def test_impossible_streams_are_refused():
-    for bad in ({"features": ("colour",)}, {"sampling": "space"}, {"points": 2}, {"scale": "log"}):
+    for bad in (
+        {"features": ("colour",)},
+        {"sampling": "space"},
+        {"points": 2},
+        {"scale": "log"},
+        {"features": ("rows", "box")},
+    ):
         with pytest.raises(InputError, match="gesture stream"):
             Stream(**bad)
 

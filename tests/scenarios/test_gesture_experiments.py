@@ -1,0 +1,142 @@
+"""The experiments: writers and people by chance, films kept once made, verdicts; the camera only stood in for."""
+
+import json
+
+import numpy as np
+import pytest
+
+from vipr.scenarios.command import main
+from vipr.scenarios.experiments import films
+from vipr.scenarios.experiments import graffiti as letters
+from vipr.scenarios.experiments import instruction_trial as trial
+from vipr.scenarios.experiments.films import RATE, film
+from vipr.scenarios.experiments.instructions import GARBAGE, LANGUAGE, POINTING, Person, idle, perform
+from vipr.scenarios.experiments.writers import Writer, draw, graffiti, timed
+
+
+def test_a_hand_slows_down_where_the_curve_turns():
+    turn = np.linspace(0.0, np.pi, 200)
+    curve = np.column_stack(
+        [2.0 * np.cos(turn), 0.5 * np.sin(turn)]
+    )  # an ellipse is sharp at its ends, flat in the middle
+    path = timed(curve, 1.0, 100.0)
+    speed = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    x = 0.5 * (path[1:, 0] + path[:-1, 0])
+    assert np.median(speed[np.abs(x) < 0.3]) > 1.5 * np.median(speed[(np.abs(x) > 1.7) & (np.abs(x) < 1.9)])
+    assert speed[0] < 0.5 * np.median(speed)
+
+
+def test_writers_differ_and_each_is_like_himself():
+    forms = graffiti()
+    assert list(forms) == list("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+
+    def size(drawings):
+        resampled = [
+            np.array([np.interp(np.linspace(0, 1, 30), np.linspace(0, 1, len(d)), c) for c in d.T]) for d in drawings
+        ]
+        return np.std(resampled, axis=0).mean()
+
+    rng = np.random.default_rng(0)
+    own = size([draw(Writer.drawn(3), "S", forms["S"][:1], rng) for _ in range(12)])
+    others = size([draw(Writer.drawn(k), "S", forms["S"][:1], rng) for k in range(12)])
+    assert others > 1.5 * own
+
+
+def test_the_same_seed_draws_the_same_letters_and_halves_are_even(tmp_path):
+    a, b = (letters.sittings(4, "stand-in", rounds=2) for _ in range(2))
+    assert [s.file for s in a] == [s.file for s in b]
+    assert len({s.file for s in a} | {s.file for s in letters.sittings(5, "stand-in", rounds=2)}) == 20
+    table = letters.drawings(film(a, tmp_path))
+    chosen = letters.halves(table, 0)
+    assert abs(chosen.sum() - len(table) / 2) <= 1
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """How often the stand-in camera was used."""
+    calls, real = [], films._stand_in
+    monkeypatch.setattr(films, "_stand_in", lambda *a: calls.append(1) or real(*a))
+    return calls
+
+
+def test_films_are_kept_once_made_and_go_on_where_they_stopped(tmp_path, counted):
+    planned = letters.sittings(1, "stand-in", rounds=1)
+    film(planned[:2], tmp_path)
+    ticks = []
+    reels = film(planned[:3], tmp_path, tick=ticks.append)
+    assert len(counted) == 3
+    assert ticks[0] == 52 and sum(ticks) == 78
+    again = film(planned[:3], tmp_path)
+    assert len(counted) == 3
+    np.testing.assert_array_equal(reels[0].positions[5], again[0].positions[5])
+    (tmp_path / planned[0].file).write_bytes(b"half a f")
+    film(planned[:1], tmp_path)
+    assert len(counted) == 4
+
+
+def test_letters_are_cut_where_they_begin_and_end(tmp_path):
+    (reel,) = film(letters.sittings(1, "stand-in", rounds=1)[:1], tmp_path)
+    table = letters.drawings([reel])
+    first, last = np.array([t.times[[0, -1]] for t in table.trajectories]).T
+    assert np.median(np.abs(first - reel.bounds[:, 0] / RATE)) < 0.2
+    assert np.median(np.abs(last - reel.bounds[:, 1] / RATE)) < 0.2
+
+
+@pytest.mark.parametrize("name", LANGUAGE)
+def test_every_gesture_can_be_made_and_some_point(name):
+    rng = np.random.default_rng(2)
+    path, target = perform(Person.drawn(1), name, rng)
+    hands = [h for h in (path.right, path.left) if h is not None]
+    assert all(np.isfinite(h).all() and np.linalg.norm(h, axis=1).max() < 1.0 for h in hands)
+    assert np.isfinite(target).all() == (name in POINTING)
+
+
+def test_idle_hands_are_of_many_kinds():
+    rng = np.random.default_rng(3)
+    assert len({idle(Person.drawn(1), rng)[1] for _ in range(60)}) == 7
+
+
+@pytest.fixture(scope="module")
+def language(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cache")
+    training, test = (film(trial.sittings(part, 1, "stand-in", 0.15), folder) for part in (False, True))
+    return trial.train_language(training, updates=60), test
+
+
+def test_instructions_of_unseen_people_are_known_and_idle_hands_are_not(language):
+    outcome = trial.try_language(*language)
+    rates = trial.rates(outcome)
+    assert rates["recognised_percent"] > 75.0
+    assert rates["false_acceptance_percent"] < 25.0
+    assert np.nanmedian(outcome.angle) < np.deg2rad(15.0)
+
+
+def test_rejection_grows_with_the_threshold_and_acceptance_falls(language):
+    rejected, accepted = trial.curve(trial.try_language(*language))
+    assert (np.diff(rejected) >= -1e-9).all() and (np.diff(accepted) <= 1e-9).all()
+    assert accepted[-1] == 0.0 and rejected[-1] == 100.0
+
+
+def test_the_command_writes_table_two_and_its_pictures(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(letters, "ROWS", {"combined": letters.ROWS["combined"]})
+    arguments = ["experiment", "graffiti", "--camera", "stand-in", "--alphabets", "2", "--json"]
+    with pytest.raises(SystemExit) as left:
+        main([*arguments, "--cache", str(tmp_path / "cache"), "--out", str(tmp_path / "out")])
+    assert left.value.code == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["sequences"] == 260 and summary["camera"] == "stand-in"
+    assert summary["rows"]["combined"]["known_percent"] > 90.0
+    assert json.loads((tmp_path / "out" / "summary.json").read_text()) == summary
+    assert (tmp_path / "out" / "confusion_combined_unseen.png").exists()
+
+
+def test_an_unknown_camera_is_one_line(tmp_path, capsys):
+    for name in ("graffiti", "instructions"):
+        with pytest.raises(SystemExit) as left:
+            main(["experiment", name, "--camera", "eye", "--out", str(tmp_path)])
+        assert left.value.code == 2
+        assert "--camera is rendered or stand-in, got 'eye'" in capsys.readouterr().err
+
+
+def test_garbage_is_not_a_gesture():
+    assert GARBAGE not in LANGUAGE and len(LANGUAGE) >= 10
