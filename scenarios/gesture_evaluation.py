@@ -9,6 +9,18 @@ from vipr.systems.errors import InputError
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.tables import GestureTable
 
+PAPER = ("position", "velocity", "combined")
+
+
+def classifier(
+    models: str = "default", states: int | str | None = None, garbage: str | None = None, seed: int = 0
+) -> GestureClassifier:
+    """Untrained. position, velocity, combined: the models of the paper's Table II, 4 states, full covariance, one a gesture."""
+    if models in PAPER:
+        plain = dict(discriminative=False, allograph_gain=None, covariance="full")
+        return GestureClassifier(models, states=states or 4, garbage=garbage, seed=seed, **plain)
+    return GestureClassifier(models, states=states or 8, garbage=garbage, seed=seed)
+
 
 @dataclass
 class Evaluation:
@@ -144,11 +156,11 @@ def _empty(n):
     return Evaluation(np.full(n, "", object), np.full(n, "", object), np.zeros(n), np.zeros(n, bool), np.zeros(n, int))
 
 
-def _run(classifier: GestureClassifier, train, test, result, rows, number, tick):
+def _run(model: GestureClassifier, train, test, result, rows, number, tick):
     start = time.perf_counter()
-    classifier.fit(train.trajectories, train.labels, tick=tick)
+    model.fit(train.trajectories, train.labels, tick=tick)
     trained = time.perf_counter()
-    label, probability, rejected = classifier.recognise(test.trajectories)
+    label, probability, rejected = model.recognise(test.trajectories)
     result.test_seconds.append(time.perf_counter() - trained)
     result.train_seconds.append(trained - start)
     result.trained_on.append(len(train))

@@ -44,7 +44,6 @@ def graffiti(
     from rich.console import Console
     from rich.table import Table
 
-    from vipr.scenarios.command.gestures import _maker
     from vipr.scenarios.command.output import output_folder
     from vipr.scenarios.experiments.films import cache_folder, film
     from vipr.scenarios.experiments.graffiti import ROWS, WRITERS, drawings, sittings, table_two
@@ -63,7 +62,7 @@ def graffiti(
             step(share - at[0])
             at[0] = share
 
-        results = table_two(table, lambda row: _maker(row, "", seed, None), seed, tick)
+        results = table_two(table, seed, tick)
     summary = {
         "experiment": "graffiti",
         "camera": camera,

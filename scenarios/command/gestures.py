@@ -2,6 +2,7 @@
 
 import json
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -153,18 +154,16 @@ def _print(summary):
 
 def _maker(models, states, seed, garbage):
     """A function that builds the classifier asked for."""
+    from vipr.scenarios.gesture_evaluation import classifier
     from vipr.systems.errors import InputError
-    from vipr.systems.gestures.classifier import STREAMS, GestureClassifier
+    from vipr.systems.gestures.classifier import STREAMS
 
     if models not in STREAMS:
         raise InputError(f"--models is one of {', '.join(STREAMS)}, got {models!r}")
     if states not in ("", "validated") and not (states.isdigit() and 1 <= int(states) <= 30):
         raise InputError(f"--states is a number from 1 to 30 or validated, got {states!r}")
     number = int(states) if states.isdigit() else states or None
-    if models in ("position", "velocity", "combined"):
-        plain = dict(discriminative=False, allograph_gain=None, covariance="full")
-        return lambda: GestureClassifier(models, states=number or 4, garbage=garbage, seed=seed, **plain)
-    return lambda: GestureClassifier(models, states=number or 8, garbage=garbage, seed=seed)
+    return partial(classifier, models, number, garbage, seed)
 
 
 def _list(text):

@@ -1,12 +1,13 @@
 """Table II again: 26 Graffiti letters of five writers, drawn in the air, filmed, tracked, recognised (paper, II-A.4)."""
 
+from functools import partial
 from itertools import product
 
 import numpy as np
 
 from vipr.scenarios.experiments.films import HOLD, RATE, Reel, Sitting
 from vipr.scenarios.experiments.writers import Writer, draw, graffiti
-from vipr.scenarios.gesture_evaluation import Evaluation, cross_validate, train_and_test
+from vipr.scenarios.gesture_evaluation import Evaluation, classifier, cross_validate, train_and_test
 from vipr.systems.gestures.segmentation import segment
 from vipr.systems.gestures.tables import GestureTable
 from vipr.systems.gestures.trajectories import Trajectory
@@ -77,19 +78,16 @@ ROWS = {  # of Table II, and this program's own models
 }
 
 
-def table_two(table: GestureTable, make, seed: int, tick=lambda share: None) -> dict[str, dict[str, Evaluation]]:
-    """For each row: ``known`` writers (half against half) and ``unseen`` ones (each of the five held out in turn).
-
-    ``make(row)`` returns a function that builds a classifier.
-    """
+def table_two(table: GestureTable, seed: int, tick=lambda share: None) -> dict[str, dict[str, Evaluation]]:
+    """For each row: ``known`` writers (half against half) and ``unseen`` ones (each of the five held out in turn)."""
     train = halves(table, seed)
     writer = np.unique(table.writers, return_inverse=True)[1]
     results = {}
     part = 0.5 / len(ROWS)
     for n, row in enumerate(ROWS):
-        first = _stage(tick, 2 * n * part, part)
-        known = train_and_test(make(row), table.choose(train), table.choose(~train), first)
-        unseen = cross_validate(make(row), table, writer, _stage(tick, (2 * n + 1) * part, part))
+        make, first = partial(classifier, row, seed=seed), _stage(tick, 2 * n * part, part)
+        known = train_and_test(make, table.choose(train), table.choose(~train), first)
+        unseen = cross_validate(make, table, writer, _stage(tick, (2 * n + 1) * part, part))
         results[row] = {"known": known, "unseen": unseen}
     return results
 

@@ -8,7 +8,8 @@ import numpy as np
 from vipr.scenarios.bench.gestures.reference import as_hmmlearn
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.experiments.writers import Writer, draw, graffiti
-from vipr.systems.gestures.classifier import STREAMS, GestureClassifier
+from vipr.scenarios.gesture_evaluation import classifier
+from vipr.systems.gestures.classifier import STREAMS
 from vipr.systems.gestures.hmm import score
 from vipr.systems.gestures.training import HmmSpec, train
 from vipr.systems.gestures.trajectories import clean, describe, resample
@@ -37,10 +38,10 @@ def run(bench) -> Iterator[Table]:
     starts = [_start(x[letter == m]) for m in range(26)]
     theirs = _least(lambda: [_fit(x[letter == m], starts[m]) for m in range(26)], 1 if bench.quick else 2, 1)
     rows.append((f"train 26 models on {len(x)} gestures, 20 rounds", 1e3 * ours, 1e3 * theirs, theirs / ours))
-    for name, options in (("combined", {"states": 4, "covariance": "full", "discriminative": False}), ("default", {})):
+    for name in ("combined", "default"):
         bench.progress(f"recognition, {name}")
-        classifier = GestureClassifier(name, updates=1, **options).fit(trajectories, labels)
-        taken = _least(lambda c=classifier: c.recognise(trajectories[:1]), repeats, 5)
+        model = classifier(name).set_params(updates=1).fit(trajectories, labels)
+        taken = _least(lambda m=model: m.recognise(trajectories[:1]), repeats, 5)
         rows.append((f"points in, name out, models {name} (paper: {PAPER_MS})", 1e3 * taken, np.nan, np.nan))
     yield Table(
         "Speed: Graffiti letters, 32 points, position and velocity, 4 states, full covariance",
