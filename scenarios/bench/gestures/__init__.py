@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from vipr.scenarios.bench.tables import Table
+from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.systems.errors import InputError
 
 PARTS = {
@@ -18,6 +18,7 @@ PARTS = {
     "phases": "pauses between the gestures of a speaker (needs --data)",
 }
 WITH_DATA = ("handwriting", "phases")
+FOLDERS = "unipen_lower/, pendigits/ and gesture_phase/"
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Bench:
     """What every part is told."""
 
     quick: bool
-    data: Path | None  # folder with unipen_lower/, pendigits/ and gesture_phase/
+    data: Path | None  # folder with FOLDERS
     seed: int
     progress: Callable[[str], None]
 
@@ -38,15 +39,18 @@ def run(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Iterator[Table]:
-    """The tables of the parts, each as soon as it is measured. Raises InputError for unknown parts or missing data."""
-    names = only or [name for name in PARTS if data is not None or name not in WITH_DATA]
+    """The tables of the parts, each as soon as it is measured. Raises InputError for unknown parts or missing data.
+
+    ``data`` holds FOLDERS, itself or in its folder ``gestures``.
+    """
+    names = chosen_parts("gestures", only, PARTS)
+    if not only and data is None:
+        names = [name for name in names if name not in WITH_DATA]
+    if data is not None and (data / "gestures").is_dir():
+        data = data / "gestures"
     for name in names:
-        if name not in PARTS:
-            raise InputError(f"bench gestures: unknown part {name!r}, allowed are {', '.join(PARTS)}")
         if name in WITH_DATA and (data is None or not data.is_dir()):
-            raise InputError(
-                f"bench gestures: {name} needs --data FOLDER with unipen_lower/, pendigits/ and gesture_phase/, got {data}"
-            )
+            raise InputError(f"bench gestures: {name} needs --data FOLDER with {FOLDERS}, got {data}")
     bench = Bench(quick, data, seed, progress)
     for name in names:
         yield from importlib.import_module(f"vipr.scenarios.bench.gestures.{name}").run(bench)
