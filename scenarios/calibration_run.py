@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vipr.diagrams.workcell import STAGE
 from vipr.scenarios.calibration_views import Truth
 from vipr.systems import se3
 from vipr.systems.calibration.board import Board, find_board
@@ -13,6 +14,10 @@ from vipr.systems.calibration.calibrate import Calibration, calibrate
 from vipr.systems.calibration.files import read_hand_poses, write_calibration
 from vipr.systems.camera.image_files import ImageSequence
 from vipr.systems.errors import InputError
+
+WORKSPACE = STAGE + np.stack(np.meshgrid(*([np.linspace(-0.15, 0.15, 4)] * 2), [0.0, 0.15, 0.3]), axis=-1).reshape(
+    -1, 3
+)  # m, W
 
 
 def calibrate_images(
@@ -68,12 +73,20 @@ def summary(found: Calibration, without: list[str], true: Truth | None = None) -
 
 
 def errors(found: Calibration, true: Truth) -> dict:
-    """Estimated minus true: intrinsics [px], position of the camera [mm] and rotation [deg] along and about the world's axes."""
+    """Estimated minus true: intrinsics [px], position of the camera [mm] and rotation [deg] along and about the world's axes.
+
+    ``workspace_px`` is what they do together: how far the calibrated camera puts points above the stage from where they are seen (RMS).
+    """
     difference = se3.difference(true.X_WC, found.X_WC)
+    apart = [
+        lens.project((WORKSPACE - X_WC[:3, 3]) @ X_WC[:3, :3])
+        for lens, X_WC in ((found.lens, found.X_WC), (true.lens, true.X_WC))
+    ]
     return {
         **{name: getattr(found.lens, name) - getattr(true.lens, name) for name in ("fx", "fy", "cx", "cy")},
         "position_mm": (1e3 * difference[3:]).tolist(),
         "rotation_deg": np.rad2deg(difference[:3]).tolist(),
+        "workspace_px": float(np.sqrt(np.mean(np.sum((apart[0] - apart[1]) ** 2, axis=1)))),
     }
 
 
@@ -101,6 +114,10 @@ def lines(found: Calibration, told: dict) -> list[str]:
     ):
         against = f"   error {_triple(truth[key], '+.3f')}" if truth else ""
         rows.append(f"{name:>12}: {_triple(values, '.3f')} +- {_triple(sigma, '.3f')} {unit}{against}")
+    if truth:
+        rows.append(
+            f"   together: points above the stage are put {truth['workspace_px']:.3f} px RMS from where they are"
+        )
     return rows
 
 

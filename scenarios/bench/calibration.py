@@ -14,7 +14,10 @@ from vipr.systems.calibration.board import load_board
 
 NAMES = ("fx px", "fy px", "cx px", "cy px", "x mm", "y mm", "z mm", "rx deg", "ry deg", "rz deg")
 SEEDS, VIEWS = 16, 20
-LEGEND = "x, y, z: the camera's position along the world's axes; rx, ry, rz: its rotation about them."
+LEGEND = (
+    "x, y, z: the camera's position along the world's axes; rx, ry, rz: its rotation about them; workspace: how far the calibrated "
+    "camera puts points above the stage from where they are seen."
+)
 
 
 def run(
@@ -31,13 +34,15 @@ def run(
 
 
 def _errors(seeds: range, progress) -> Iterator[Table]:
-    each = Table(f"Error against truth, {VIEWS} views", ("seed", *NAMES, "RMS px", "left out"), note=LEGEND)
+    each = Table(
+        f"Error against truth, {VIEWS} views", ("seed", *NAMES, "workspace px", "RMS px", "left out"), note=LEGEND
+    )
     results = []
     for seed in seeds:
-        wrong, told, found = _one(seed, VIEWS, progress)
-        results.append((wrong, told))
-        each.rows.append((seed, *wrong, found.rms_px, found.left_out))
-    wrong, told = (np.array(rows) for rows in zip(*results, strict=True))
+        wrong, told, together, found = _one(seed, VIEWS, progress)
+        results.append((wrong, told, together))
+        each.rows.append((seed, *wrong, together, found.rms_px, found.left_out))
+    wrong, told, together = (np.array(rows) for rows in zip(*results, strict=True))
     total = Table(
         f"Errors and standard errors, {len(seeds)} seeds, {VIEWS} views",
         ("quantity", "RMS error", "largest error", "told (1 sigma, median)", "RMS of error / told"),
@@ -46,21 +51,26 @@ def _errors(seeds: range, progress) -> Iterator[Table]:
     for k, name in enumerate(NAMES):
         e, sigma = wrong[:, k], told[:, k]
         total.rows.append((name, _rms(e), np.abs(e).max(), np.median(sigma), _rms(e / sigma)))
+    total.rows.append(("workspace px", _rms(together), together.max(), float("nan"), float("nan")))
     yield total
     yield each
 
 
 def _views(seeds: range, progress) -> Iterator[Table]:
-    table = Table("RMS error against the number of views", ("views", "fx px", "cx px", "position mm", "rotation deg"))
+    table = Table(
+        "RMS error against the number of views",
+        ("views", "fx px", "cx px", "position mm", "rotation deg", "workspace px"),
+    )
     for count in (6, 10, 20, 40):
-        wrong = np.array([_one(seed, count, progress)[0] for seed in seeds[:6]])
+        results = [_one(seed, count, progress) for seed in seeds[:6]]
+        wrong, together = np.array([r[0] for r in results]), np.array([r[2] for r in results])
         position, rotation = (np.linalg.norm(wrong[:, k : k + 3], axis=1) for k in (4, 7))
-        table.rows.append((count, _rms(wrong[:, 0]), _rms(wrong[:, 2]), _rms(position), _rms(rotation)))
+        table.rows.append((count, _rms(wrong[:, 0]), _rms(wrong[:, 2]), _rms(position), _rms(rotation), _rms(together)))
     yield table
 
 
 def _one(seed: int, views: int, progress):
-    """Errors and standard errors in the order of NAMES, and the calibration, of one simulated workcell."""
+    """Errors and standard errors in the order of NAMES, their effect together, and the calibration, of one simulated workcell."""
     progress(f"bench calibration: seed {seed}, {views} views")
     board = load_board(model_path("calibration_board/board.yaml"))
     with tempfile.TemporaryDirectory() as folder:
@@ -69,7 +79,7 @@ def _one(seed: int, views: int, progress):
     e = errors(found, true)
     wrong = np.array([*(e[name] for name in ("fx", "fy", "cx", "cy")), *e["position_mm"], *e["rotation_deg"]])
     told = np.array([*found.intrinsics_error.values(), *found.position_error_mm, *found.rotation_error_deg])
-    return wrong, told, found
+    return wrong, told, e["workspace_px"], found
 
 
 def _rms(values: np.ndarray) -> float:
