@@ -25,12 +25,12 @@ def shaken(bench: Workbench, name: str, seed: int, speed: float = SPEED, frames:
         duration=frames / RATE,
         centre_O=bench.model(name).centre,
     )
-    shown = Conditions(**{"exposure": 0.02, "hand": "holding", "samples": 4, **conditions})
+    shown = Conditions(**{"exposure": 0.02, "hand": "holding", "samples": 3, **conditions})
     return bench.render(name, moving, frames, shown, seed=seed)
 
 
 def run(bench: Workbench) -> Iterator[Table]:
-    seeds, length = (range(2), 50) if bench.quick else (range(20), 100)
+    seeds, length = (range(2), 50) if bench.quick else (range(20), 75)
     table = Table(
         f"Hand-held: corners up to {SPEED:g} px a frame, exposure 20 ms, clutter, fingers before the object, {length} frames",
         ("seed", "object", "followed", "corner px median / 90 % / max", "deg median / 90 % / max", "uncertain", "lost"),
