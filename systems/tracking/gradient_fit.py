@@ -7,12 +7,12 @@ paper's own contribution is the size of the first steps: it follows the object's
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from vipr.systems.camera.lens import Lens
-from vipr.systems.tracking.displacements import move, normal_jacobian
-from vipr.systems.tracking.normal_flow import Patch
+from vipr.systems.compiled import compiled
+from vipr.systems.tracking.displacements import move, normal_jacobian, turned
+from vipr.systems.tracking.normal_flow import Patch, bilinear
 from vipr.systems.tracking.visible_edges import Nodes
 
 
@@ -53,34 +53,62 @@ def fit_gradients(
     At each of the levels the 12 neighbours at distance `steps` are compared in one sampling, then the pose that their costs point to; the
     steps are halved from level to level. half_width [px]: where the difference is taken, either side of the edge.
     """
-    X, cost, tried = X_CO, _costs(patch, nodes, [X_CO], lens, half_width)[0], 1
+    if not len(nodes):
+        return GradientFit(X_CO, 0.0, 0)
+    across = half_width * nodes.normal
+    return GradientFit(
+        *_descend(
+            patch.grey,
+            nodes.p_O,
+            across,
+            X_CO,
+            lens.fx,
+            lens.fy,
+            lens.cx - patch.origin[0],
+            lens.cy - patch.origin[1],
+            steps,
+            levels,
+        )
+    )
+
+
+@compiled
+def _descend(grey, p_O, across, X_CO, fx, fy, cx, cy, steps, levels):
+    """(pose, cost, poses tried) at the foot of the discrete hierarchical search."""
+    X, cost, tried = X_CO, _cost(grey, p_O, across, X_CO, fx, fy, cx, cy), 1
+    poses, costs = np.empty((13, 4, 4)), np.empty(13)
     for level in range(levels):
         step = steps * 0.5**level
         for _ in range(3):
-            moves = np.concatenate([np.diag(step), -np.diag(step)])
-            poses = [move(X, d) for d in moves]
-            costs = _costs(patch, nodes, poses, lens, half_width)
-            # One more pose: along the slope that the pairs show, each axis by its own parabola.
-            plus, minus = costs[:6], costs[6:]
-            bend = plus + minus - 2.0 * cost
-            jump = np.where(bend > 1e-9, 0.5 * (minus - plus) / np.maximum(bend, 1e-9), np.sign(minus - plus))
-            poses.append(move(X, np.clip(jump, -1.0, 1.0) * step))
-            costs = np.append(costs, _costs(patch, nodes, poses[-1:], lens, half_width))
+            jump = np.zeros(6)
+            for i in range(6):
+                for sign, k in ((1.0, i), (-1.0, 6 + i)):
+                    d = np.zeros(6)
+                    d[i] = sign * step[i]
+                    poses[k] = move(X, d)
+                    costs[k] = _cost(grey, p_O, across, poses[k], fx, fy, cx, cy)
+                # Along the slope that the pair shows, by its parabola.
+                slope, bend = costs[6 + i] - costs[i], costs[i] + costs[6 + i] - 2.0 * cost
+                jump[i] = step[i] * (min(max(0.5 * slope / bend, -1.0), 1.0) if bend > 1e-9 else np.sign(slope))
+            poses[12] = move(X, jump)  # one more pose: all axes at once
+            costs[12] = _cost(grey, p_O, across, poses[12], fx, fy, cx, cy)
             tried += 13
-            best = int(np.argmin(costs))
+            best = np.argmin(costs)
             if costs[best] >= cost - 1e-6:
                 break
-            X, cost = poses[best], costs[best]
-    return GradientFit(X, float(cost), tried)
+            X, cost = poses[best].copy(), costs[best]
+    return X, cost, tried
 
 
-def _costs(patch, nodes, poses, lens, half_width):
-    """Cost of each pose: minus the mean absolute difference across the projected nodes."""
-    if not len(nodes):
-        return np.zeros(len(poses))
-    p_C = np.concatenate([nodes.p_O @ X[:3, :3].T + X[:3, 3] for X in poses])
-    pixel = lens.project(np.maximum(p_C, (-np.inf, -np.inf, 1e-3))) - patch.origin
-    across = np.tile(half_width * nodes.normal, (len(poses), 1))
-    maps = np.stack([pixel + across, pixel - across]).astype(np.float32)
-    values = cv2.remap(patch.grey, maps.reshape(2, -1, 2), None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return -np.abs(values[0] - values[1]).reshape(len(poses), -1).mean(1)
+@compiled
+def _cost(grey, p_O, across, X_CO, fx, fy, cx, cy):
+    """Minus the mean absolute difference across the projected nodes."""
+    total = 0.0
+    for n in range(len(p_O)):
+        x, y, z = turned(X_CO, p_O[n])
+        inverse = 1.0 / max(z + X_CO[2, 3], 1e-3)
+        u, v = fx * (x + X_CO[0, 3]) * inverse + cx, fy * (y + X_CO[1, 3]) * inverse + cy
+        total += abs(
+            bilinear(grey, u + across[n, 0], v + across[n, 1]) - bilinear(grey, u - across[n, 0], v - across[n, 1])
+        )
+    return -total / len(p_O)

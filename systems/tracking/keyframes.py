@@ -13,7 +13,7 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.compiled import compiled
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.displacements import difference
-from vipr.systems.tracking.normal_flow import Patch
+from vipr.systems.tracking.normal_flow import Patch, bilinear
 from vipr.systems.tracking.triangulation import unit
 from vipr.systems.tracking.visible_edges import visible_nodes
 
@@ -52,7 +52,11 @@ def pyramid(patch: Patch) -> list[Patch]:
     for _ in range(LEVELS - 1):
         grey = levels[-1].grey
         levels.append(
-            Patch(cv2.pyrDown(grey) if min(grey.shape) > 8 else grey[::2, ::2], patch.origin, 0.45 * levels[-1].noise)
+            Patch(
+                cv2.pyrDown(grey) if min(grey.shape) > 8 else np.ascontiguousarray(grey[::2, ::2]),
+                patch.origin,
+                0.45 * levels[-1].noise,
+            )
         )
     return levels
 
@@ -60,17 +64,10 @@ def pyramid(patch: Patch) -> list[Patch]:
 @compiled
 def sample_patch(grey, x, y, axes, out):
     """Samples, rows of y, of the image around (x, y) into out (SAMPLES,); axes (2, 2): pixels for a grid step along x and y, as rows."""
-    height, width = grey.shape
     p = 0
     for j in range(-HALF, HALF + 1):
         for i in range(-HALF, HALF + 1):
-            u = min(max(x + i * axes[0, 0] + j * axes[1, 0], 0.0), width - 1.0)
-            v = min(max(y + i * axes[0, 1] + j * axes[1, 1], 0.0), height - 1.0)
-            left, top = min(int(u), width - 2), min(int(v), height - 2)
-            a, b = np.float32(u - left), np.float32(v - top)
-            above = grey[top, left] + a * (grey[top, left + 1] - grey[top, left])
-            below = grey[top + 1, left] + a * (grey[top + 1, left + 1] - grey[top + 1, left])
-            out[p] = above + b * (below - above)
+            out[p] = bilinear(grey, x + i * axes[0, 0] + j * axes[1, 0], y + i * axes[0, 1] + j * axes[1, 1])
             p += 1
 
 

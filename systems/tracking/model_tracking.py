@@ -24,6 +24,7 @@ from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.texture import correlation_at
 
 DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads
+LEARN_EVERY = 5  # frames between attempts to learn the texture of an object that has shown none yet
 LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
 
 
@@ -209,7 +210,11 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         keyframes = tuple(k for k in keyframes if k is not best.against)
     if best.led_by is not None:
         keyframes = _doubt(keyframes, best)
-    if score > 0.8 and sight.settings.texture:
+    if (
+        score > 0.8
+        and sight.settings.texture
+        and (keyframes or belief.X_CO_given is not None or number % LEARN_EVERY == 0)
+    ):
         keyframes = _learn(keyframes, motion, sight, best.evidence)
     return Belief(
         motion,

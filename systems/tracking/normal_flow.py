@@ -71,6 +71,18 @@ def _noise(grey):
     return 0.0
 
 
+@compiled
+def bilinear(grey, x, y):
+    """Grey level of a patch (h, w) float32 between its pixels; outside, that of the border."""
+    height, width = grey.shape
+    x, y = min(max(x, 0.0), width - 1.0), min(max(y, 0.0), height - 1.0)
+    left, top = min(int(x), width - 2), min(int(y), height - 2)
+    a, b = np.float32(x - left), np.float32(y - top)
+    above = grey[top, left] + a * (grey[top, left + 1] - grey[top, left])
+    below = grey[top + 1, left] + a * (grey[top + 1, left + 1] - grey[top + 1, left])
+    return above + b * (below - above)
+
+
 def sample_profiles(
     patch: Patch, pixel: np.ndarray, normal: np.ndarray, reach: float, step: float = 1.0, across: int = 3
 ) -> np.ndarray:
