@@ -13,6 +13,7 @@ $(STAMP): requirements.lock pyproject.toml .ci/check-system
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@$(BIN)/vipr compile
 	@touch $@
 
 demo: setup

@@ -9,7 +9,18 @@ from typing import Annotated
 
 import typer
 
-from vipr.scenarios.command import analyse, bench, calibrate, experiment, gestures, hands, run, teach, track
+from vipr.scenarios.command import (
+    analyse,
+    bench,
+    calibrate,
+    compilation,
+    experiment,
+    gestures,
+    hands,
+    run,
+    teach,
+    track,
+)
 from vipr.scenarios.command.output import print_error
 from vipr.systems.errors import InputError
 
@@ -30,6 +41,7 @@ experiment.register(app)
 bench.register(app)
 analyse.register(app)
 calibrate.register(app)
+compilation.register(app)
 
 
 def _print_version(wanted: bool) -> None:

@@ -48,7 +48,7 @@ def track(
     sequence = ImageSequence(images)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("tracking", total=len(sequence) or None)
+        task = bar.add_task("starting (compiles at its first use ever)", total=len(sequence) or None)
         result = track_images(
             sequence,
             cad,

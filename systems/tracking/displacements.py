@@ -93,7 +93,7 @@ def _normal_jacobian(p_O, normal, X_CO, fx, fy):
 
 
 @compiled
-def damping(J: np.ndarray, scale: float = 1e-4) -> np.ndarray:
+def damping(J: np.ndarray, scale: float) -> np.ndarray:
     """(6, 6) a trace of information on every displacement, so that what the nodes do not see stays where it is."""
     H = np.zeros((6, 6))
     for i in range(6):

@@ -121,7 +121,7 @@ def find_far(sight, X_CO, reach):
         if motion.valid:
             X_CO = fit_points(nodes.p_O, move_points(motion, nodes.pixel), np.ones(len(nodes)), X_CO, sight.lens)
     if settings.gradient_fit:
-        thin = nodes.take(slice(None, None, 2))
+        thin = nodes.take(np.arange(0, len(nodes), 2))
         V_CO = sight.V_CO if settings.dynamic_step else None
         steps = search_steps(thin, X_CO, sight.lens, V_CO, sight.dt)
         X_CO = fit_gradients(sight.patch, thin, X_CO, sight.lens, steps).X_CO

@@ -61,7 +61,7 @@ def settle(predicted: Motion, X_CO: np.ndarray, covariance: np.ndarray) -> Motio
     covariance (6, 6): of the measurement alone. The twist follows as far as it goes with the pose.
     """
     P = predicted.covariance
-    V = predicted.V_CO + P[6:, :6] @ solve(P[:6, :6], difference(predicted.X_CO, X_CO))
+    V = predicted.V_CO + P[6:, :6] @ solve(np.ascontiguousarray(P[:6, :6]), difference(predicted.X_CO, X_CO))
     return Motion(X_CO, V, _updated(P, covariance)[1])
 
 

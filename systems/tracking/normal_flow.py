@@ -75,7 +75,8 @@ def _noise(grey):
 def bilinear(grey, x, y):
     """Grey level of a patch (h, w) float32 between its pixels; outside, that of the border."""
     height, width = grey.shape
-    x, y = min(max(x, 0.0), width - 1.0), min(max(y, 0.0), height - 1.0)
+    x, y = x if x > 0.0 else 0.0, y if y > 0.0 else 0.0  # nan is no place either
+    x, y = min(x, width - 1.0), min(y, height - 1.0)
     left, top = min(int(x), width - 2), min(int(y), height - 2)
     a, b = np.float32(x - left), np.float32(y - top)
     above = grey[top, left] + a * (grey[top, left + 1] - grey[top, left])
@@ -160,6 +161,7 @@ def find_edges(
     raw = sample_profiles(patch, nodes.pixel, normal, reach + margin * step, step, across)
     offset, strength = _peaks(raw, kernel, margin, step, contrast, K, quantise)
     if sharp_reach > 0:
+        sharp_reach = min(sharp_reach, reach)
         skip = margin + round((reach - sharp_reach) / step)
         floor = max(contrast, CLEAR_OF_NOISE * 0.6 * patch.noise)
         sharp = _peaks(raw, _derivative_kernel(SHARP, step), skip, step, floor, K, quantise)

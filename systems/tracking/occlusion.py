@@ -24,7 +24,7 @@ def hidden_behind(
     """
     if owner is None or triangle_owner is None:
         owner, triangle_owner = np.full(len(pixel), -1), np.full(len(triangles_C), -1)
-    triangles_C = np.ascontiguousarray(triangles_C, float)
+    triangles_C = np.array(triangles_C, float)  # those of a signal are read-only, which would be compiled apart
     return _hidden(
         pixel, depth, triangles_C, lens.fx, lens.fy, lens.cx, lens.cy, tolerance, owner, triangle_owner, one_sided
     )

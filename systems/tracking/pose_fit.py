@@ -68,7 +68,7 @@ def fit_pose(
     pull = information @ prior.mean if prior is not None else np.zeros(6)
     if N == 0 or not preference.any():
         return Fit(np.zeros(6), information, np.full(N, np.nan), np.zeros(N, int), np.zeros(N), float("nan"))
-    base = damping(J) + information
+    base = damping(J, 1e-4) + information
     own_weight = node_weight * np.ones(N)
     start = np.zeros(6)
     if anneal:

@@ -137,7 +137,7 @@ def _place(
         length[s] = np.hypot(pixel_ends[s, 1, 0] - pixel_ends[s, 0, 0], pixel_ends[s, 1, 1] - pixel_ends[s, 0, 1])
         total += length[s]
     spacing = max(total / max(count, 1), spacing)
-    most = int(total / spacing)
+    most = int(total / spacing) if total > 0.0 else 0  # also of a pose that is no number
     p_O, pixel, normal, depth = np.empty((most, 3)), np.empty((most, 2)), np.empty((most, 2)), np.empty(most)
     sides, number_n, segment = np.empty((most, 2), np.bool_), np.empty(most, np.int64), np.empty(most, np.int64)
     n, passed, place = 0, 0.0, 0.5 * spacing

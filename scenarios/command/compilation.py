@@ -1,0 +1,19 @@
+"""``vipr compile``: what the first use of the tracker would compile, now."""
+
+import time
+
+import typer
+
+
+def register(app: typer.Typer) -> None:
+    """Add the subcommand to the app."""
+    app.command("compile")(compile_)
+
+
+def compile_() -> None:
+    """Compile the tracker's inner loops ahead of their first use, once for this machine; `make setup` does it."""
+    from vipr.systems.tracking.ahead_of_time import compile_tracker
+
+    begin = time.perf_counter()
+    compile_tracker()
+    print(f"the tracker is compiled ({time.perf_counter() - begin:.1f} s)")
