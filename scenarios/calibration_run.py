@@ -132,9 +132,12 @@ def draw(path: Path, found: Calibration) -> None:
     figure = Figure(figsize=(11, 4.6), layout="constrained")
     where, scatter = figure.subplots(1, 2, width_ratios=[1.45, 1])
     u, r = found.pixels, found.residuals
-    where.quiver(u[:, 0], u[:, 1], r[:, 0], r[:, 1], angles="xy", scale_units="xy", scale=0.02, width=0.002)
+    times = 10.0 ** np.round(np.log10(20.0 / max(found.rms_px, 1e-3)))
+    where.quiver(u[:, 0], u[:, 1], r[:, 0], r[:, 1], angles="xy", scale_units="xy", scale=1.0 / times, width=0.0015)
     where.plot(u[:, 0], u[:, 1], ".", markersize=2)
-    where.set(title="Corners and residuals, 50 times as long", xlabel="u [px]", ylabel="v [px]", aspect="equal")
+    where.set(
+        title=f"Corners and residuals, {times:.0f} times as long", xlabel="u [px]", ylabel="v [px]", aspect="equal"
+    )
     where.set(xlim=(0, found.lens.width), ylim=(found.lens.height, 0))
     scatter.plot(r[:, 0], r[:, 1], ".", markersize=3)
     reach = 1.1 * float(np.abs(r).max())

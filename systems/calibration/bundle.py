@@ -15,6 +15,14 @@ from vipr.systems.errors import InputError
 INTRINSICS = ("fx", "fy", "cx", "cy", "k1", "k2")
 OUTLIER = 4.0  # standard deviations of a corner that is left out
 ROUNDS = 3  # of estimating noise and outliers anew
+WORST_NOISE, WORST_SHARE = (
+    3.0,
+    0.5,
+)  # px, and share of corners left out: above, the views and poses do not belong together
+DISAGREE = (
+    "the images and the poses of the hand do not agree; are the poses those of the hand in the world, in metres, taken with these images, "
+    "and is the board's square_mm right?"
+)
 
 
 @dataclass(frozen=True)
@@ -96,6 +104,8 @@ def adjust(
     model, normal = _levenberg_marquardt(observations, model, free, used, arm, noise)
     residuals, *_ = _linearise(observations, model, free)
     _require_determined(normal, free)
+    if noise > WORST_NOISE or np.mean(used) < 1.0 - WORST_SHARE:
+        raise InputError(f"calibrate: {noise:.1f} px a corner, {np.mean(~used):.0%} left out: {DISAGREE}")
     k = len(free) + 12
     return Fit(model, free, np.linalg.inv(normal)[:k, :k], used, residuals, noise)
 
@@ -121,6 +131,8 @@ def _levenberg_marquardt(observations, model, free, used, arm, noise):
     damping = 1e-3
     for _ in range(60):
         residuals, J = _linearise(observations, model, free)
+        if J is None:
+            raise InputError(f"calibrate: {DISAGREE}")
         r, J = (residuals[used] / noise).ravel(), J[used].reshape(-1, J.shape[2]) / noise
         prior = (model.arm_errors / arm.sigma).ravel()
         now = r @ r + prior @ prior

@@ -94,6 +94,26 @@ def test_wrong_corners_are_left_out():
     assert found.lens.fx == pytest.approx(lens.fx, abs=4 * found.intrinsics_error["fx"])
 
 
+def test_a_view_with_a_wrong_pose_is_left_out():
+    views, poses, lens, _ = cell(5)
+    poses[7] = poses[7] @ se3.exp(np.array([0, 0, 0, 0.02, -0.01, 0.015]))
+    found = calibrate(BOARD, views, poses, SIZE)
+    assert 15 <= found.left_out <= 26
+    assert found.lens.fx == pytest.approx(lens.fx, abs=4 * found.intrinsics_error["fx"])
+
+
+@pytest.mark.parametrize("spoil", ["millimetres", "order", "inverse"])
+def test_poses_that_do_not_belong_to_the_images_are_refused(spoil):
+    views, poses, *_ = cell(11)
+    spoilt = {
+        "millimetres": [se3.pose(X[:3, :3], 1e3 * X[:3, 3]) for X in poses],
+        "order": poses[::-1],
+        "inverse": [se3.inverse(X) for X in poses],
+    }[spoil]
+    with pytest.raises(InputError, match="the images and the poses of the hand do not agree"):
+        calibrate(BOARD, views, spoilt, SIZE)
+
+
 def test_derivatives_are_those_of_the_projection():
     _, poses, _, X_WC = cell(6, count=5)
     observations = Observations(
