@@ -132,7 +132,7 @@ def draw(path: Path, found: Calibration) -> None:
     figure = Figure(figsize=(11, 4.6), layout="constrained")
     where, scatter = figure.subplots(1, 2, width_ratios=[1.45, 1])
     u, r = found.pixels, found.residuals
-    times = 10.0 ** np.round(np.log10(20.0 / max(found.rms_px, 1e-3)))
+    times = 10.0 ** np.round(np.log10(6.0 / max(found.rms_px, 1e-3)))
     where.quiver(u[:, 0], u[:, 1], r[:, 0], r[:, 1], angles="xy", scale_units="xy", scale=1.0 / times, width=0.0015)
     where.plot(u[:, 0], u[:, 1], ".", markersize=2)
     where.set(

@@ -99,7 +99,7 @@ def _time(quick: bool, seed: int) -> Table:
         ("with the guard, held off the table", down, guard),
     ):
         driven = DrivenArm(guard=some)
-        spent = [_spent(lambda V=V, driven=driven: driven.step(V)) for V in twists]
+        spent = [_spent(lambda V=V, driven=driven: driven.step(V, np.zeros(4))) for V in twists]
         table.rows.append((name, *_quantiles(spent)))
     body, many = guard.body, np.array([random_configuration(rng)[0] for _ in range(500)])
     table.rows.append(

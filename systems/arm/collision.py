@@ -22,9 +22,7 @@ class ArmBody:
     arm: SerialArm
     shapes: tuple[Shape, ...]
     links: tuple[int, ...]  # of each shape
-    ignored: tuple[
-        tuple[int, int], ...
-    ] = ()  # links (outer, inner), besides neighbours, that the mechanism keeps apart
+    ignored: tuple[tuple[int, int], ...] = ()  # links (outer, inner) that the mechanism keeps apart, besides neighbours
 
     def __post_init__(self):
         if len(self.shapes) != len(self.links):
@@ -52,14 +50,14 @@ class ArmBody:
         arm, other = self.pairs_with(len(obstacles))
         if not len(arm):
             raise InputError("clearance: the arm's shapes and the obstacles make no pair that could meet")
-        table = self.with_obstacles(obstacles)
+        table = self.table + ShapeTable.of(obstacles)
         gaps, nearest = smallest_gaps(self._placed(q, table), table.half, table.disc, table.radius, arm, other)
         names = [*(s.name for s in self.shapes), *(s.name for s in obstacles)]
         pairs = [(names[arm[k]], names[other[k]]) for k in nearest]
         return (gaps, pairs) if q.ndim == 2 else (gaps[0], pairs[0])
 
     def gaps(self, q: np.ndarray, first: np.ndarray, second: np.ndarray, table: ShapeTable) -> np.ndarray:
-        """(N, P) the gap [m] of each given pair (numbered as by ``pairs_with``, of ``with_obstacles``) at each q (N, n)."""
+        """(N, P) the gap [m] of each given pair (numbered as by ``pairs_with``, in the table of body and obstacles) at each q (N, n)."""
         return pair_gaps(self._placed(q, table), table.half, table.disc, table.radius, first, second)
 
     def pairs_with(self, obstacles: int) -> tuple[np.ndarray, np.ndarray]:
@@ -73,12 +71,13 @@ class ArmBody:
         second = np.concatenate([own[:, 1], len(self.shapes) + np.tile(np.arange(obstacles), len(moving))])
         return first.astype(int), second.astype(int)
 
-    def with_obstacles(self, obstacles: tuple[Shape, ...]) -> ShapeTable:
-        """The arm's shapes in their links and the obstacles in B."""
-        return ShapeTable.of([*self.shapes, *obstacles])
+    @cached_property
+    def table(self) -> ShapeTable:
+        """The shapes in their links."""
+        return ShapeTable.of(self.shapes)
 
     def _placed(self, q: np.ndarray, table: ShapeTable) -> np.ndarray:
-        """(N, S, 4, 4) where all shapes of the table are in B at each q."""
+        """(N, S, 4, 4) where all shapes of the table (of body and obstacles) are in B at each q."""
         X_BL, own = self.arm.link_poses(np.atleast_2d(q))[:, list(self.links)], len(self.shapes)
         X = np.empty((len(X_BL), len(table.disc), 4, 4))
         X[:, :own] = X_BL @ table.X[:own]

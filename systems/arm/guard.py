@@ -29,10 +29,9 @@ class CollisionGuard:
     obstacles: tuple[Shape, ...] = ()
     margin: float = 0.005  # m, the least gap
     approach: float = 8.0  # 1/s: the gap's excess over the margin shrinks at most at this rate
-    with_hand: Callable[[np.ndarray], ArmBody] | None = (
-        None  # the body for motor angles (4,) [rad] of its hand; None: it stays as it is
-    )
-    hand_extent: float = 0.0  # m, no finger ever reaches further from the last link's frame
+    # The body for the motor angles (4,) [rad] of its hand, and how far from the last link's frame [m] no finger ever reaches.
+    with_hand: Callable[[np.ndarray], ArmBody] | None = None
+    hand_extent: float = 0.0
 
     def __post_init__(self):
         if not 0 <= self.margin <= 0.5:
@@ -78,13 +77,12 @@ class CollisionGuard:
 
     def table(self, motor: np.ndarray | None = None) -> ShapeTable:
         """All shapes, the fingers at the motor angles (4,) [rad] (None: as in ``body``)."""
-        if motor is None or self.with_hand is None:
-            return self._table
-        return self.with_hand(motor).with_obstacles(self.obstacles)
+        body = self.body if motor is None or self.with_hand is None else self.with_hand(motor)
+        return body.table + self._obstacles
 
     @cached_property
-    def _table(self) -> ShapeTable:
-        return self.body.with_obstacles(self.obstacles)
+    def _obstacles(self) -> ShapeTable:
+        return ShapeTable.of(self.obstacles)
 
     def gaps(self, q: np.ndarray, chosen: np.ndarray, table: ShapeTable) -> np.ndarray:
         """(N, S) gaps [m] of the chosen pairs at q (N, n)."""

@@ -77,6 +77,14 @@ class ShapeTable:
             np.array([s.radius for s in shapes], float),
         )
 
+    def __add__(self, other: "ShapeTable") -> "ShapeTable":
+        return ShapeTable(
+            np.concatenate([self.X, other.X]),
+            np.concatenate([self.half, other.half]),
+            np.concatenate([self.disc, other.disc]),
+            np.concatenate([self.radius, other.radius]),
+        )
+
 
 def gap(a: Shape, b: Shape) -> float:
     """Gap [m] of two shapes in one frame: at most their distance, negative where they overlap."""
