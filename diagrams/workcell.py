@@ -24,6 +24,7 @@ from vipr.systems.camera.imperfections import Imperfection
 from vipr.systems.camera.lens import Lens, load_lens
 from vipr.systems.camera.offscreen import add_renderer, colour_sensor, daylight
 from vipr.systems.hand.driver import HandDriver
+from vipr.systems.hand.torque_switch import GRASPING, Drives
 from vipr.systems.truth import PoseTruth
 
 RENDERER = "vtk"
@@ -95,6 +96,10 @@ class WorkcellConfig:
     X_EO_held: np.ndarray | None = (
         None  # the object is fixed to the hand there, as a tool would be; None: it stands on the stage
     )
+    X_PO: np.ndarray = field(default_factory=lambda: np.eye(4))  # of the object on the plate's top
+    ballast: float = 0.0  # kg, packed into the object beside what it weighs
+    drives: Drives = GRASPING  # of the hand
+    contact_model: str = "hydroelastic_with_fallback"  # or point
     q_initial: np.ndarray = field(default_factory=lambda: puma560.NAMED["nominal"])  # rad
     lens: Lens = field(default_factory=lambda: load_lens(model_path("xc77/camera.yaml")))
     X_WC: np.ndarray = field(default_factory=fixed_camera)
@@ -116,12 +121,16 @@ class Workcell(Diagram):
         input_ports:
         - arm_desired_state
         - motor_command
+        - torque_limit
+        - watching
         - stage_desired_state
         output_ports:
         - frame
         - joint_state
         - motor_position
+        - motor_torque
         - finger_torque
+        - clutch
         - X_WO_true
         - X_WE_true
         - X_CO_true
@@ -131,13 +140,17 @@ class Workcell(Diagram):
         arm_desired_state ───────────────▶ plant ──▶ encoders ─────┬──▶ joint_state
                   gravity_compensation ──▶   │                     │
                           ▲──────────────────┼─────────────────────┘
-        motor_command ──▶ hand_driver ───▶   ├─▶ hand_encoders ─▶ hand_driver ─▶ motor_position, finger_torque
+        motor_command, torque_limit          │
+                    ──▶ hand_driver ─────▶   ├─▶ hand_encoders ─▶ hand_driver ─▶ motor_position, motor_torque, finger_torque, clutch
         stage_desired_state ─────────────▶   ├─▶ truth ─▶ X_WO_true, X_WE_true, X_CO_true
                                              └─▶ scene_graph ─▶ sensor ─▶ camera ─▶ frame
+        watching ─────────────────────────────────────────────────────▶
 
     Frames: W world, on the floor at the arm's foot, x ahead, z up; C camera; O object; E hand (the hand's ``grasp`` frame).
     ``arm_desired_state`` (12) is [q; qdot] of the joint servo [rad, rad/s], ``motor_command`` (4) the angles of the hand [rad],
-    ``stage_desired_state`` (6) [x, y, yaw; rates] of the stage. ``frame`` is the camera's, ``joint_state`` (12) the encoders' [q; qdot].
+    ``torque_limit`` (4) those at which its motors stop [N m] (may be left unconnected), ``watching`` (1) whether the camera takes pictures
+    (it does if this is left unconnected), ``stage_desired_state`` (6) [x, y, yaw; rates] of the stage. ``frame`` is the camera's,
+    ``joint_state`` (12) the encoders' [q; qdot]; the hand's outputs are its driver's.
 
     The joint servo is a PD controller in each joint with gravity compensation from a nominal model of arm and hand, fed by the encoders.
     Coulomb friction is not simulated; viscous friction and rotor inertia are.
@@ -148,7 +161,10 @@ class Workcell(Diagram):
         self.config = config
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlant(
-            MultibodyPlantConfig(time_step=config.time_step, stiction_tolerance=1e-4), builder
+            MultibodyPlantConfig(
+                time_step=config.time_step, stiction_tolerance=1e-4, contact_model=config.contact_model
+            ),
+            builder,
         )
         plant.set_name("plant")
         scene_graph.set_name("scene_graph")
@@ -166,7 +182,7 @@ class Workcell(Diagram):
             InverseDynamics(self._nominal, InverseDynamics.InverseDynamicsMode.kGravityCompensation),
         )
         hand_encoders = builder.AddNamedSystem("hand_encoders", JointEncoders(HAND_COUNT))
-        hand_driver = builder.AddNamedSystem("hand_driver", HandDriver())
+        hand_driver = builder.AddNamedSystem("hand_driver", HandDriver(config.drives))
         X_WC = RigidTransform(config.X_WC)
         sensor = builder.AddNamedSystem("sensor", colour_sensor(config.lens, X_WC, RENDERER, config.supersampling))
         width, height = config.lens.width, config.lens.height
@@ -201,12 +217,14 @@ class Workcell(Diagram):
         ):
             builder.Connect(writer, reader)
         builder.ExportInput(plant.get_desired_state_input_port(puma), "arm_desired_state")
-        builder.ExportInput(hand_driver.GetInputPort("motor_command"), "motor_command")
+        for name in ("motor_command", "torque_limit"):
+            builder.ExportInput(hand_driver.GetInputPort(name), name)
+        builder.ExportInput(camera.GetInputPort("watching"), "watching")
         builder.ExportInput(plant.get_desired_state_input_port(stage), "stage_desired_state")
         for system, names in (
             (camera, ("frame",)),
             (encoders, ("joint_state",)),
-            (hand_driver, ("motor_position", "finger_torque")),
+            (hand_driver, ("motor_position", "motor_torque", "finger_torque", "clutch")),
             (truth, ("X_WO_true", "X_WE_true", "X_CO_true")),
         ):
             for name in names:
@@ -243,10 +261,14 @@ def _add_models(plant: MultibodyPlant, config: WorkcellConfig) -> dict[str, Mode
     plant.GetJointByName("stage_yaw").set_default_angle(config.stage_initial[2])
     thing = plant.GetBodyByName(config.object)
     if config.X_EO_held is None:
-        plant.SetDefaultFloatingBaseBodyPose(thing, RigidTransform(standing(config.stage_initial)))
+        plant.SetDefaultFloatingBaseBodyPose(thing, RigidTransform(standing(config.stage_initial) @ config.X_PO))
     else:
         grasp = plant.GetFrameByName("grasp", models["barrett_hand"])
         plant.WeldFrames(grasp, thing.body_frame(), RigidTransform(config.X_EO_held))
+    if config.ballast:
+        more = SpatialInertia(config.ballast, thing.default_com(), thing.default_unit_inertia())
+        ballast = plant.AddRigidBody("ballast", plant.GetModelInstanceByName(config.object), more)
+        plant.WeldFrames(thing.body_frame(), ballast.body_frame())
     plant.Finalize()
     return models
 

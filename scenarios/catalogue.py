@@ -3,11 +3,12 @@
 import difflib
 
 from vipr.scenarios.align import Align, Follow
+from vipr.scenarios.pick import Pick
 from vipr.scenarios.place_by_showing import PlaceByShowing
 from vipr.scenarios.scenario import Scenario
 from vipr.systems.errors import InputError
 
-SCENARIOS: dict[str, type[Scenario]] = {scenario.name: scenario for scenario in (Align, Follow, PlaceByShowing)}
+SCENARIOS: dict[str, type[Scenario]] = {scenario.name: scenario for scenario in (Align, Follow, PlaceByShowing, Pick)}
 
 
 def find_scenario(name: str) -> type[Scenario]:

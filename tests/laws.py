@@ -22,7 +22,7 @@ SENSORS = {"RgbdSensor", "JointEncoders", "GeometricSight"}
 # Plant outputs that are measurements: what the motors spend, which their amplifiers know.
 MEASURED_BY_PLANT = "_net_actuation"
 # Systems that decide what the robot does: no truth may reach them but through a sensor.
-CONTROLLER_PACKAGES = ("vipr.systems.servo", "vipr.systems.arm", "vipr.systems.hand")
+CONTROLLER_PACKAGES = ("vipr.systems.servo", "vipr.systems.arm", "vipr.systems.hand", "vipr.systems.grasping")
 
 
 def modules(*packages):

@@ -16,6 +16,7 @@ from vipr.scenarios.command import (
     compilation,
     experiment,
     gestures,
+    grasp,
     hands,
     run,
     teach,
@@ -38,6 +39,7 @@ track.register(app)
 hands.register(app)
 gestures.register(app)
 experiment.register(app)
+grasp.register(app)
 bench.register(app)
 analyse.register(app)
 calibrate.register(app)

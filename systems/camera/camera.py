@@ -19,13 +19,14 @@ class Camera(LeafSystem):
         name: Camera
         input_ports:
         - color_image
+        - watching
         output_ports:
         - frame
 
     ``color_image`` is Drake's rendered ImageRgba8U, evaluated (and so rendered) at the ticks only, with ``supersampling`` times as many
     pixels each way; a pixel of the frame is the mean of its pixels, as a sensor's cell integrates over its area. ``frame`` (CameraFrame,
-    BGR) holds the last tick's picture; before the first tick, and after a tick whose frame is dropped, its image is empty. Same seed, same
-    bytes.
+    BGR) holds the last tick's picture; before the first tick, and after a tick whose frame is dropped, its image is empty. While
+    ``watching`` (1) is 0 no picture is taken and the last one is kept; left unconnected, all are. Same seed, same bytes.
     """
 
     def __init__(
@@ -44,12 +45,15 @@ class Camera(LeafSystem):
         self._period, self._offset = period, offset
         self._size, k = (width, height), supersampling
         self._picture = self.DeclareAbstractInputPort("color_image", Value(ImageRgba8U(k * width, k * height)))
+        self._watching = self.DeclareVectorInputPort("watching", 1)
         state = self.DeclareAbstractState(Value(CameraFrame()))
         self._frame = state
         self.DeclareStateOutputPort("frame", state)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, self._update)
 
     def _update(self, context, state):
+        if self._watching.HasValue(context) and self._watching.Eval(context)[0] < 0.5:
+            return
         number = round((context.get_time() - self._offset) / self._period)
         image = np.zeros((0, 0, 3), np.uint8)
         if not self._electronics.drops(number):

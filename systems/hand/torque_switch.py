@@ -42,6 +42,10 @@ class Drives:
             raise InputError(f"Barrett Hand: break-away torque must be positive, got {self.break_away_torque} N m")
 
 
+# The clutches set so firmly that finger 3 stands against two others at a tip, and still lets go where an inner link is stopped.
+GRASPING = Drives(break_away_torque=1.5)
+
+
 @dataclass(frozen=True)
 class Motors:
     """State at a control tick, and the rates until the next one."""

@@ -3,11 +3,16 @@
 import numpy as np
 
 from vipr.diagrams.geometric_servo import GeometricServo
+from vipr.diagrams.hand_bench import HandBench, HandBenchConfig
+from vipr.diagrams.pick import PickRobot
 from vipr.diagrams.servo_robot import Schedule, ServoRobot
 from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed_camera, puma_with_hand, standing
 from vipr.models import model_path
 from vipr.systems import se3
 from vipr.systems.arm import puma560
+from vipr.systems.grasping.grasp import load_grasps
+from vipr.systems.grasping.pick import Picker
+from vipr.systems.grasping.planning import Surroundings
 from vipr.systems.servo.image_based import ImageBased
 from vipr.systems.servo.tasks import Reach
 from vipr.systems.tracking.cad_model import load_model
@@ -52,4 +57,37 @@ def geometric_servo():
     return system, lambda context, t: system.get_input_port().FixValue(context, 0.01 * np.sin(np.arange(6) + t))
 
 
-EXAMPLES = {GeometricServo: geometric_servo, Workcell: workcell, ServoRobot: servo_robot}
+def pick_robot():
+    config = WorkcellConfig(supersampling=1)
+    model = load_model(model_path("milk_carton/model.yaml"))
+    cell = Workcell(config)
+    picker = Picker(
+        load_grasps(model_path("milk_carton/grasps.yaml")), Surroundings(cell.arm, cell.joint_limits), config.X_WC
+    )
+    X_CO = se3.inverse(config.X_WC) @ standing(config.stage_initial)
+    system = PickRobot(cell, model, picker, X_CO)
+
+    def fix(context, t):
+        system.GetInputPort("stage_desired_state").FixValue(context, np.zeros(6))
+
+    return system, fix
+
+
+def hand_bench():
+    system = HandBench(HandBenchConfig())
+
+    def fix(context, t):
+        system.GetInputPort("motor_command").FixValue(context, [t, t, t, 0.0])
+        system.GetInputPort("torque_limit").FixValue(context, np.full(4, 1.8))
+        system.GetInputPort("carriage_desired_state").FixValue(context, np.zeros(6))
+
+    return system, fix
+
+
+EXAMPLES = {
+    GeometricServo: geometric_servo,
+    Workcell: workcell,
+    ServoRobot: servo_robot,
+    PickRobot: pick_robot,
+    HandBench: hand_bench,
+}

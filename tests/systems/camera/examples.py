@@ -14,7 +14,8 @@ def camera():
     def fix(context, t):
         image = ImageRgba8U(64, 48)
         image.mutable_data[:] = np.arange(64, dtype=np.uint8)[None, :, None] + np.uint8(10 * t)
-        system.get_input_port().FixValue(context, image)
+        system.GetInputPort("color_image").FixValue(context, image)
+        system.GetInputPort("watching").FixValue(context, [float(t < 0.2)])
 
     return system, fix
 

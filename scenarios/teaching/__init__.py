@@ -1,0 +1,1 @@
+"""Teaching grasps in simulation: candidates are tried on a bench with the hand alone, judged, and written down."""

@@ -1,0 +1,26 @@
+"""Example of the pick for the laws."""
+
+import numpy as np
+from pick_doubles import X_WO, picker, sighting
+
+from vipr.diagrams.workcell import fixed_camera
+from vipr.systems import se3
+from vipr.systems.arm import puma560
+from vipr.systems.grasping.task import PickTask
+
+
+def pick_task():
+    """An object is seen, reached for and lost sight of."""
+    system = PickTask(picker(), se3.inverse(fixed_camera()) @ X_WO)
+
+    def fix(context, t):
+        state = np.concatenate([puma560.NAMED["nominal"], np.zeros(6)])
+        system.GetInputPort("object_pose").FixValue(context, sighting(t, state="tracking" if t < 0.25 else "lost"))
+        system.GetInputPort("joint_state").FixValue(context, state)
+        system.GetInputPort("motor_position").FixValue(context, [0.1, 0.1, 0.1, 0.0])
+        system.GetInputPort("motor_torque").FixValue(context, [0.0, 0.0, t, 0.0])
+
+    return system, fix
+
+
+EXAMPLES = {PickTask: pick_task}
