@@ -10,7 +10,7 @@ from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains, Spatia
 from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from vipr.models import model_path
+from vipr.models import model_path, object_names
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.arm.encoders import JointEncoders
@@ -25,6 +25,7 @@ from vipr.systems.camera.lens import Lens, load_lens
 from vipr.systems.camera.offscreen import add_renderer, colour_sensor, daylight
 from vipr.systems.hand.driver import HandDriver
 from vipr.systems.hand.torque_switch import GRASPING, Drives
+from vipr.systems.tracking.cad_model import load_model
 from vipr.systems.truth import PoseTruth
 
 RENDERER = "vtk"
@@ -73,9 +74,9 @@ def obstacles(stage: np.ndarray | None = None) -> tuple[Shape, ...]:
     )
 
 
-def collision_guard() -> CollisionGuard:
+def collision_guard(held: tuple[Shape, ...] = ()) -> CollisionGuard:
     """Keeps arm and hand from the workcell and from themselves."""
-    return hand_guard(puma_with_hand(), obstacles())
+    return hand_guard(puma_with_hand(), obstacles(), held=held)
 
 
 def standing(stage: np.ndarray) -> np.ndarray:
@@ -110,6 +111,16 @@ class WorkcellConfig:
     seed: int = 0
     time_step: float = 0.002  # s, of the physics
     camera_period: float = 0.04  # s
+
+
+def held_shapes(config: WorkcellConfig) -> tuple[Shape, ...]:
+    """The box about an object that is fixed to the hand, in the palm's frame; nothing if none with a CAD model is."""
+    if config.X_EO_held is None or config.object not in object_names():
+        return ()
+    corners = load_model(model_path(f"{config.object}/model.yaml")).corners
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    X_PO = se3.pose(np.eye(3), [0.0, 0.0, GRASP_CENTRE]) @ config.X_EO_held
+    return (box(config.object, high - low, X_PO @ se3.pose(np.eye(3), 0.5 * (low + high))),)
 
 
 class Workcell(Diagram):
@@ -172,7 +183,7 @@ class Workcell(Diagram):
         models = _add_models(plant, config)
         puma, hand, stage = models["puma560"], models["barrett_hand"], models["motion_stage"]
         self.arm = puma_with_hand()
-        self.joint_limits, self.guard = JOINT_LIMITS, collision_guard()
+        self.joint_limits, self.guard = JOINT_LIMITS, collision_guard(held_shapes(config))
         add_renderer(scene_graph, RENDERER, daylight())
 
         encoders = builder.AddNamedSystem("encoders", JointEncoders(ARM_COUNT))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vipr.diagrams.workcell import obstacles, puma_with_hand
+from vipr.diagrams.workcell import WorkcellConfig, collision_guard, held_shapes, obstacles, puma_with_hand
 from vipr.scenarios.bench.arm import MODEL_LESS, random_configuration
 from vipr.scenarios.bench.model_distances import ModelDistances
 from vipr.systems import se3
@@ -90,6 +90,17 @@ def test_what_the_hand_holds_counts_as_part_of_it():
         ("carton", "stage"),
     )
     assert empty.clearance(q, obstacles())[0] > 0.05
+
+
+def test_an_object_fixed_to_the_hand_is_guarded_with_it():
+    X_EO = se3.pose(np.diag([1.0, -1, -1]), [0, 0, 0.2])
+    shapes = held_shapes(WorkcellConfig(object="rice_box", X_EO_held=X_EO))
+    assert [s.name for s in shapes] == ["rice_box"]
+    assert np.allclose(2 * shapes[0].half, [0.115, 0.050, 0.165])
+    assert np.allclose(shapes[0].X[:3, 3], [0, 0, 0.135 + 0.2 - 0.165 / 2])
+    guard = collision_guard(shapes)
+    assert ("rice_box", "table") in guard.names and not any("rice_box" in a and "finger" in b for a, b in guard.names)
+    assert held_shapes(WorkcellConfig(object="rice_box")) == ()
 
 
 def test_bad_shapes_and_fingers_beyond_their_stops_are_refused():
