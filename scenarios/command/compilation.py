@@ -1,4 +1,4 @@
-"""``vipr compile``: what the first use of the tracker would compile, now."""
+"""``vipr compile``: what the first use of the tracker and of the arm's guard would compile, now."""
 
 import time
 
@@ -11,9 +11,11 @@ def register(app: typer.Typer) -> None:
 
 
 def compile_() -> None:
-    """Compile the tracker's inner loops ahead of their first use, once for this machine; `make setup` does it."""
+    """Compile the inner loops of tracker and arm ahead of their first use, once for this machine; `make setup` does it."""
+    from vipr.systems.arm.shapes import compile_gaps
     from vipr.systems.tracking.ahead_of_time import compile_tracker
 
     begin = time.perf_counter()
     compile_tracker()
-    print(f"the tracker is compiled ({time.perf_counter() - begin:.1f} s)")
+    compile_gaps()
+    print(f"tracker and clearance are compiled ({time.perf_counter() - begin:.1f} s)")

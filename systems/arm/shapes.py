@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vipr.systems import se3
-from vipr.systems.arm.gaps import pair_gaps
+from vipr.systems.arm.gaps import pair_gaps, smallest_gaps
 from vipr.systems.errors import InputError
 
 
@@ -90,3 +90,10 @@ def gap(a: Shape, b: Shape) -> float:
     """Gap [m] of two shapes in one frame: at most their distance, negative where they overlap."""
     table, first, second = ShapeTable.of([a, b]), np.array([0]), np.array([1])
     return float(pair_gaps(table.X[None], table.half, table.disc, table.radius, first, second)[0, 0])
+
+
+def compile_gaps() -> None:
+    """Compile what clearance and guard call, with a pair of balls."""
+    table = ShapeTable.of([sphere("a", 0.1, (0, 0, 0)), sphere("b", 0.1, (0, 0, 1))])
+    for function in (pair_gaps, smallest_gaps):
+        function(table.X[None], table.half, table.disc, table.radius, np.array([0]), np.array([1]))

@@ -8,8 +8,9 @@ from vipr.scenarios.bench.arm import MODEL_LESS, random_configuration
 from vipr.scenarios.bench.model_distances import ModelDistances
 from vipr.systems import se3
 from vipr.systems.arm import puma560
+from vipr.systems.arm.gaps import pair_gaps, smallest_gaps
 from vipr.systems.arm.puma_body import hand_shapes, puma_with_hand_body
-from vipr.systems.arm.shapes import box, capsule, cylinder, gap, sphere
+from vipr.systems.arm.shapes import box, capsule, compile_gaps, cylinder, gap, sphere
 from vipr.systems.errors import InputError
 
 ARM = puma_with_hand()
@@ -101,6 +102,16 @@ def test_an_object_fixed_to_the_hand_is_guarded_with_it():
     guard = collision_guard(shapes)
     assert ("rice_box", "table") in guard.names and not any("rice_box" in a and "finger" in b for a, b in guard.names)
     assert held_shapes(WorkcellConfig(object="rice_box")) == ()
+
+
+def test_after_compiling_ahead_clearance_and_guard_compile_nothing_more():
+    compile_gaps()
+    before = [len(f.signatures) for f in (pair_gaps, smallest_gaps)]
+    guard = collision_guard()
+    guard.body.clearance(puma560.NAMED["nominal"], guard.obstacles)
+    for motor in (None, np.zeros(4)):
+        guard.gaps(puma560.NAMED["nominal"][None], np.arange(5), guard.table(motor))
+    assert [len(f.signatures) for f in (pair_gaps, smallest_gaps)] == before
 
 
 def test_bad_shapes_and_fingers_beyond_their_stops_are_refused():
