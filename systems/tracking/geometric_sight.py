@@ -43,6 +43,11 @@ class SightErrors:
         return np.diag(np.square([rotation, rotation, rotation, lateral, lateral, depth]))
 
 
+def bias(errors: SightErrors, seed: int) -> np.ndarray:
+    """(6,) the bias of all poses in a run with this seed."""
+    return errors.draw(np.random.default_rng([seed, 0]), "bias")
+
+
 @dataclass(frozen=True, eq=False)
 class _Memory(Signal):
     """The exposure that is being worked on, and what was last made known."""
@@ -93,7 +98,7 @@ class GeometricSight(LeafSystem):
         self._points, self._hand_points, self._errors = np.asarray(points, float), hand_points, errors
         self._lens, self._believed = lens, believed
         self._blind, self._seed = blind, seed
-        self._bias = errors.draw(np.random.default_rng([seed, 0]), "bias")
+        self._bias = bias(errors, seed)
         self._covariance = errors.covariance("noise") + errors.covariance("bias")
         self._X_CO = self.DeclareAbstractInputPort("X_CO_true", Value(RigidTransform()))
         self._X_CE = self.DeclareAbstractInputPort("X_CE_true", Value(RigidTransform()))

@@ -13,15 +13,15 @@ from vipr.scenarios.place_by_showing import PlaceSettings
 
 FOCAL, SHIFT_MM, TURN_DEG = 10.0, 50.0, 5.0
 SMALL_MM = 2.0
-CLOSED = ("position-based", "image-based, current L", "image-based, desired L", "2.5D")
+CLOSED = ("position-based", "image-based, current L", "2.5D")
 OPEN = ("position-based", "image-based, current L")
 
 
 def run(bench: Bench) -> Iterator[Table]:
     seeds = bench.seeds(40, 3)
-    placed = [Setting.of(placing(PlaceSettings(place=s, duration_s=7.0, calibration=wrong(s)), s)) for s in seeds]
+    placed = [Setting.of(placing(PlaceSettings(place=s, duration_s=6.0, calibration=wrong(s)), s)) for s in seeds]
     reached = [
-        Setting.of(Align(AlignSettings(cruise_s=0.0, approach_s=4.0, calibration=wrong(s)), s))
+        Setting.of(Align(AlignSettings(cruise_s=0.0, approach_s=3.0, settle_s=1.5, calibration=wrong(s)), s))
         for s in seeds[: (len(seeds) + 1) // 2]
     ]
     rows = [row(bench, "closed-loop: a held object, shown before", name, placed) for name in CLOSED]

@@ -14,7 +14,7 @@ from vipr.scenarios.settings import load_settings
 
 def run(bench: Bench) -> Iterator[Table]:
     settings = load_settings(Follow.settings_type, Follow.settings_file())
-    scenarios = [Follow(settings, seed) for seed in bench.seeds(20, 3)]
+    scenarios = [Follow(settings, seed) for seed in bench.seeds(10, 2)]
     rows = []
     for name in ("position-based", "image-based, current L", "2.5D"):
         for feed_forward in (True, False):

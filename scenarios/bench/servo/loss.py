@@ -22,7 +22,7 @@ def run(bench: Bench) -> Iterator[Table]:
         for seed in seeds:
             bench.progress(f"target lost, {name}: {seed}")
             start = 0.04 * round(np.random.default_rng([seed, 7]).uniform(0.2, 1.4) / 0.04)
-            setting = Setting.of(placing(PlaceSettings(place=seed, duration_s=7.0), seed))
+            setting = Setting.of(placing(PlaceSettings(place=seed, duration_s=6.0), seed))
             setting = replace(setting, blind=(start - 1e-6, start + BLIND))
             flights.append(fly(setting, LAWS[name], step=0.01))
         told = [1e3 * (_first(f, np.abs(f.V).max(axis=1) == 0) - f.setting.blind[0]) for f in flights]
