@@ -30,6 +30,7 @@ from vipr.systems.truth import PoseTruth
 
 RENDERER = "vtk"
 STAGE = np.array([0.55, 0.0, 0.52])  # m, middle of the stage's plate at its zero
+STAGE_TRAVEL = np.array([0.20, 0.15, np.pi])  # m, m, rad: each way
 GRASP_CENTRE = 0.135  # m, from the hand's mounting face to its frame ``grasp``
 HAND_MASS, HAND_CENTRE = 1.1, 0.06  # kg; m from the flange: what the gravity compensation is told of the hand
 

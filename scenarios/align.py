@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vipr.diagrams.workcell import WorkcellConfig, fixed_camera, standing
+from vipr.diagrams.workcell import STAGE_TRAVEL, WorkcellConfig, fixed_camera, standing
 from vipr.scenarios.motions import out_and_back
 from vipr.scenarios.servoing import ServoingSettings, ServoScenario, above, direction, joints_for
 from vipr.systems import se3
@@ -56,6 +56,7 @@ class Align(ServoScenario):
         rate[2] = turn * np.deg2rad(s.object_turn_deg_s)
         stage = self._begin(stage, rate)
         self.motion = out_and_back(stage, rate, begin=s.approach_s, cruise=s.cruise_s, ramp=RAMP)
+        self._require_on_stage()
         X_WO, X_WC = standing(stage), fixed_camera()
         self.config = WorkcellConfig(
             object=s.object,
@@ -89,16 +90,27 @@ class Align(ServoScenario):
             f"start_turn_deg {s.start_turn_deg}; take smaller ones"
         )
 
+    def _require_on_stage(self) -> None:
+        """InputError if the object leaves its stage."""
+        if (np.abs(self._way()) > STAGE_TRAVEL).any():
+            x, y, yaw = STAGE_TRAVEL * [1e3, 1e3, np.rad2deg(1.0)]
+            raise InputError(
+                f"{self.name}: the object leaves its stage, which moves by {x:.0f} mm in x, {y:.0f} mm in y and {yaw:.0f} deg: "
+                "take a smaller object_speed_m_s, object_turn_deg_s or cruise_s"
+            )
+
     def _require_reach(self) -> None:
         """InputError if the object carries the goal out of the arm's reach."""
         q = self.config.q_initial
-        for t in np.linspace(0.0, self.motion.end_time(), 30):
+        for stage in self._way():
             try:
-                q = joints_for(standing(self.motion.value(t).ravel()) @ self.X_OG, q)
+                q = joints_for(standing(stage) @ self.X_OG, q)
             except InputError as error:
-                raise InputError(
-                    f"{self.name}: the goal leaves the arm's reach {t:.1f} s after the start: {error}"
-                ) from None
+                raise InputError(f"{self.name}: the object carries the goal out of reach: {error}") from None
+
+    def _way(self) -> np.ndarray:
+        """(n, 3) places of the stage, x and y [m] and yaw [rad], from its start to its end."""
+        return self.motion.vector_values(np.linspace(0.0, self.motion.end_time(), 30)).T
 
     def task(self):
         return Reach(self.X_WC, self.X_OG, self.cad.corners)

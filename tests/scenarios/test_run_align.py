@@ -61,6 +61,10 @@ def test_same_seed_same_bytes_and_another_seed_others(tmp_path):
         (["run"], "Missing argument"),
         (["run", "align", "--set", "camera.noise=-1"], "noise must be 0 to 255"),
         (["run", "align", "--set", "clearance_m=0.29"], "out of reach within the joint limits"),
+        (["run", "follow", "--set", "cruise_s=5"], "the object leaves its stage"),
+        (["run", "align", "--set", "servo.gain=40"], "servo.gain must be below 2"),
+        (["run", "align", "--set", "servo.gain=40", "--set", "delay_frames=5"], "at a latency of 222 ms, got 40 1/s"),
+        (["run", "align", "--set", "delay_frames=-1"], "delay_frames must be 0 to 25, got -1"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(arguments, message, tmp_path, capsys, monkeypatch):

@@ -18,7 +18,7 @@ OPEN = ("position-based", "image-based, current L")
 
 
 def run(bench: Bench) -> Iterator[Table]:
-    seeds = bench.seeds(40, 3)
+    seeds = bench.seeds(30, 2)
     placed = [Setting.of(placing(PlaceSettings(place=s, duration_s=6.0, calibration=wrong(s)), s)) for s in seeds]
     reached = [
         Setting.of(Align(AlignSettings(cruise_s=0.0, approach_s=3.0, settle_s=1.5, calibration=wrong(s)), s))

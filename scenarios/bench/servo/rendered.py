@@ -48,11 +48,11 @@ def run(bench: Bench) -> Iterator[Table]:
             )
         )
     yield Table(
-        f"A held object to where it was shown (place_by_showing), {len(seeds)} starts, rendered pictures, real tracker, arm's dynamics",
+        f"A held object to where it was shown (place_by_showing), {len(seeds)} starts, pictures, tracker, dynamics",
         ("servo", "converged", "final mm", "worst", "final deg", "worst ", "tracking RMS mm", "limits used %"),
         rows,
-        note="final: largest error of the last 0.5 s, median and worst of the starts; two pixels rendered for one. limits used: most of any "
-        "joint limit in any run.",
+        note="final: largest error of the last 0.5 s, median and worst of the starts; two pixels rendered for one. limits used: most "
+        "of any joint limit.",
     )
 
 

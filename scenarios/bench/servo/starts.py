@@ -29,7 +29,8 @@ COLUMNS = (
 NOTE = (
     "converged: below 1 mm and 0.3 deg for the last 0.5 s. final: RMS of the last 0.5 s against truth, median and worst of the starts; px: "
     "distance of the features from their goal in the image as the servo sees it, worst. time: until it stays below; path: of the hand; "
-    "joint speed: largest share of its limit; medians. within limits: every set-point within position, speed and acceleration limits, and nothing touched."
+    "joint speed: largest share of its limit; medians. within limits: every set-point within position, speed and acceleration limits, "
+    "and nothing touched."
 )
 
 
