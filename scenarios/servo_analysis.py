@@ -14,6 +14,7 @@ from vipr.systems.servo.analysis import (
     largest_stable_gain,
     poles,
     quickest_gain,
+    require_gain,
     step_response,
 )
 
@@ -24,6 +25,8 @@ def tables(gains: list[float], latencies: list[float]) -> list[Table]:
     """Gain limits against latency, and the loop's behaviour against gain at the schedule's latency. Gains [1/s], latencies [s]."""
     if not gains or not latencies:
         raise InputError("servo analysis: needs at least one gain and one latency")
+    for gain in gains:
+        require_gain(gain)
     limits = Table(
         "Gain limits against latency (exposure to the servo's tick)",
         ("use of the measurement", "latency ms", "largest stable gain 1/s", "quickest gain 1/s", "it settles in s"),

@@ -204,10 +204,15 @@ class Behaviour:
     settling: float  # s, until it stays within 2 % of the start; infinite if it does not
 
 
-def behaviour(loop: SampledLoop, gain: float) -> Behaviour:
-    """Gain margin, overshoot and settling time at a gain [1/s]."""
+def require_gain(gain: float) -> None:
+    """InputError for a gain [1/s] that makes no sense."""
     if not (np.isfinite(gain) and 0 < gain <= GAIN_LIMIT):
         raise InputError(f"servo analysis: gain must be above 0 and at most {GAIN_LIMIT:g} 1/s, got {gain:g} 1/s")
+
+
+def behaviour(loop: SampledLoop, gain: float) -> Behaviour:
+    """Gain margin, overshoot and settling time at a gain [1/s]."""
+    require_gain(gain)
     margin = largest_stable_gain(loop) / gain
     if not is_stable(loop, gain):
         return Behaviour(gain, False, margin, np.inf, np.inf)
