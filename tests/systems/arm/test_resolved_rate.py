@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vipr.systems.arm.resolved_rate import Damping, JointLimits, damped_rates, limited_rates
+from vipr.systems.arm.resolved_rate import Damping, JointLimits, braking_speed, damped_rates, limited_rates
 from vipr.systems.errors import InputError
 
 LIMITS = JointLimits(
@@ -22,8 +22,22 @@ def test_far_from_singularities_the_twist_is_met_exactly():
 
 def test_near_a_singularity_the_rates_stay_bounded():
     J = np.diag([1.0, 1, 1, 1, 1, 1e-9])
-    rates, _ = damped_rates(J, np.ones(6))
+    V = np.ones(6)
+    rates, lost = damped_rates(J, V)
     assert np.abs(rates).max() < 10
+    assert np.allclose((J @ rates)[:5], V[:5]), "what the arm can still do it does exactly"
+    assert 0.3 < lost < 1.0
+
+
+@pytest.mark.parametrize("v", [0.3, 0.5, 0.77, 1.0, 1.49, 2.0, 3.7])
+def test_the_braking_speed_is_exact_in_steps(v):
+    a, dt = 10.0, 0.01
+    room = 0.0
+    speed = v
+    while speed > 0:  # the way of a step at v and of steps each slower by a dt
+        room += speed * dt
+        speed -= a * dt
+    assert braking_speed(room, a, dt) == pytest.approx(v)
 
 
 def test_speed_limit_keeps_the_direction():
