@@ -88,6 +88,8 @@ def simulate_views(
     lens, X_WC = load_lens(model_path("xc77/camera.yaml")), fixed_camera()  # as on the drawing
     images = out / "images"
     images.mkdir(parents=True, exist_ok=True)
+    for old in images.glob("view_*.png"):  # of an earlier run with more views
+        old.unlink()
     poses, seen = {}, []
     planner = _Planner(board, rng)
     while len(poses) < count:
