@@ -8,10 +8,11 @@ skin        segmenter.SkinSegmenter      frame -> regions                       
 hands       tracker.HandTracker          regions -> hand_tracks                                        25 Hz
 gestures    recogniser.GestureRecogniser hand_tracks -> gesture                                        25 Hz
 pose        (pure)                       points and pixels -> poses
+calibration (pure)                       images, poses of the hand -> lens, X_WC, covariance
 tracking    tracker.ModelTracker         frame, initial_pose, occluders -> object_pose                 25 Hz
 servo       controller.VisualServo       object_pose, hand_pose, joint_state -> V_WE_W, servo_error,   25 Hz
                                          status
-arm         commander.ArmCommander       V_WE_W -> desired_state, limited_by                           100 Hz
+arm         commander.ArmCommander       V_WE_W, motor_position -> desired_state, limited_by, status   100 Hz
 arm         encoders.JointEncoders       state -> joint_state                                          none held
 hand        driver.HandDriver            motor_command, torque_limit, hand_state, joint_torque ->      200 Hz
                                          desired_state, motor_position, motor_torque, clutch,
