@@ -95,24 +95,20 @@ def adjust(
     free = tuple(range(4 + radial))
     used, model = np.ones(len(observations.pixels), bool), start
     for _ in range(ROUNDS):
-        model, normal = _levenberg_marquardt(observations, model, free, used, arm, noise)
+        model, _, fitted = _levenberg_marquardt(observations, model, free, used, arm, noise)
         residuals, *_ = _linearise(observations, model, free)
         size = np.linalg.norm(residuals, axis=1)
-        noise = max(float(np.sqrt(np.sum(residuals[used] ** 2) / max(_freedom(used, model, free), 1))), 1e-3)
+        freedom = max(2 * int(used.sum()) - fitted, 1.0)
+        noise = max(float(np.sqrt(np.sum(residuals[used] ** 2) / freedom)), 1e-3)
         robust = 1.4826 * np.median(np.abs(residuals[used]))
         used = size < OUTLIER * max(robust, 1e-3) * np.sqrt(2.0)
-    model, normal = _levenberg_marquardt(observations, model, free, used, arm, noise)
+    model, normal, _ = _levenberg_marquardt(observations, model, free, used, arm, noise)
     residuals, *_ = _linearise(observations, model, free)
     _require_determined(normal, free)
     if noise > WORST_NOISE or np.mean(used) < 1.0 - WORST_SHARE:
         raise InputError(f"calibrate: {noise:.1f} px a corner, {np.mean(~used):.0%} left out: {DISAGREE}")
     k = len(free) + 12
     return Fit(model, free, np.linalg.inv(normal)[:k, :k], used, residuals, noise)
-
-
-def _freedom(used, model, free) -> int:
-    """Degrees of freedom of the pixel residuals; the arm's errors count as half known."""
-    return 2 * int(used.sum()) - len(free) - 12 - 3 * len(model.arm_errors)
 
 
 def _require_determined(normal: np.ndarray, free: tuple[int, ...]) -> None:
@@ -127,7 +123,7 @@ def _require_determined(normal: np.ndarray, free: tuple[int, ...]) -> None:
 
 
 def _levenberg_marquardt(observations, model, free, used, arm, noise):
-    """The best model and the normal matrix there."""
+    """The best model, the normal matrix there, and how many parameters the pixels determine: what the arm already knew counts less."""
     damping = 1e-3
     for _ in range(60):
         residuals, J = _linearise(observations, model, free)
@@ -136,7 +132,8 @@ def _levenberg_marquardt(observations, model, free, used, arm, noise):
         r, J = (residuals[used] / noise).ravel(), J[used].reshape(-1, J.shape[2]) / noise
         prior = (model.arm_errors / arm.sigma).ravel()
         now = r @ r + prior @ prior
-        normal = J.T @ J
+        of_pixels = J.T @ J
+        normal = of_pixels.copy()
         gradient = J.T @ r
         at = normal.shape[0] - len(prior)
         weight = 1.0 / np.tile(arm.sigma, len(model.arm_errors))
@@ -155,7 +152,7 @@ def _levenberg_marquardt(observations, model, free, used, arm, noise):
             damping *= 10.0
         if not improved or now - value < 1e-9 * now:
             break
-    return model, normal
+    return model, normal, float(np.trace(np.linalg.lstsq(normal, of_pixels, rcond=None)[0]))
 
 
 def _moved(model: Model, free: tuple[int, ...], step: np.ndarray) -> Model:
