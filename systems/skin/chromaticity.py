@@ -8,15 +8,11 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from vipr.systems.compiled import compiled
+
 R_BINS, G_BINS = 96, 64  # of a table over r and g
 R_LOW, G_LOW, STEP = 0.15, 0.10, 1.0 / 160.0  # r from 0.15 to 0.75, g from 0.10 to 0.50
 WHITE = np.ones(3)  # gains of B, G, R that leave an image alone
-_SUM = np.ones((1, 3), np.float32)
-_BRIGHT = np.array([[1, 1, 1, 1e-3]], np.float32)  # never zero
-_NUMERATORS = (
-    np.array([[-R_LOW, -R_LOW, 1 - R_LOW]], np.float32) / STEP,
-    np.array([[-G_LOW, 1 - G_LOW, -G_LOW]], np.float32) / STEP,
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,13 +26,27 @@ class Chromaticity:
 
 def chromaticity(image: np.ndarray, gains: np.ndarray = WHITE) -> Chromaticity:
     """Table indices of r and g of image (h, w, 3) BGR uint8, after the channels are multiplied by ``gains`` (3,)."""
-    raw = image.astype(np.float32)
-    total = cv2.transform(raw, _SUM)
-    pixels = raw if gains is WHITE else cv2.transform(raw, np.diag(gains).astype(np.float32))
-    # (r - R_LOW) / STEP = (R - R_LOW (R + G + B)) / (STEP (R + G + B)): linear numerators, one division each.
-    bright = cv2.transform(pixels, _BRIGHT)  # one channel out at a time: that is what OpenCV is fast at
-    r, g = (cv2.divide(cv2.transform(pixels, numerator), bright, dtype=cv2.CV_8U) for numerator in _NUMERATORS)
-    return Chromaticity(cv2.merge([g, r]).view(np.uint16)[:, :, 0], total, pixels)
+    index, total, pixels = _convert(np.ascontiguousarray(image), np.asarray(gains, np.float32))
+    return Chromaticity(index, total, pixels)
+
+
+@compiled
+def _convert(image, gains):
+    rows, columns, _ = image.shape
+    index = np.empty((rows, columns), np.uint16)
+    total = np.empty((rows, columns), np.float32)
+    pixels = np.empty((rows, columns, 3), np.float32)
+    for i in range(rows):
+        for j in range(columns):
+            b, g, r = np.float32(image[i, j, 0]), np.float32(image[i, j, 1]), np.float32(image[i, j, 2])
+            total[i, j] = b + g + r
+            b, g, r = b * gains[0], g * gains[1], r * gains[2]
+            pixels[i, j, 0], pixels[i, j, 1], pixels[i, j, 2] = b, g, r
+            scale = np.float32(1.0 / STEP) / (b + g + r + np.float32(1e-3))
+            r_bin = int(r * scale - np.float32(R_LOW / STEP - 0.5))
+            g_bin = int(g * scale - np.float32(G_LOW / STEP - 0.5))
+            index[i, j] = 256 * min(max(r_bin, 0), 255) + min(max(g_bin, 0), 255)
+    return index, total, pixels
 
 
 def bin_centres() -> tuple[np.ndarray, np.ndarray]:
@@ -53,9 +63,17 @@ def lookup(table: np.ndarray, index: np.ndarray) -> np.ndarray:
 
 def histogram(index: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
     """(R_BINS, G_BINS) float32 sum of weights (one each if not given) of indices in the table; the outermost bins stay empty."""
-    counts = np.bincount(index.ravel(), None if weights is None else weights.ravel(), minlength=65536).reshape(256, 256)
+    weights = np.ones(index.size, np.float32) if weights is None else weights.ravel().astype(np.float32)
+    return _count(index.ravel(), weights)
+
+
+@compiled
+def _count(index, weights):
     out = np.zeros((R_BINS, G_BINS), np.float32)
-    out[1:-1, 1:-1] = counts[1 : R_BINS - 1, 1 : G_BINS - 1]
+    for k in range(len(index)):
+        r, g = index[k] >> 8, index[k] & 255
+        if 0 < r < R_BINS - 1 and 0 < g < G_BINS - 1:
+            out[r, g] += weights[k]
     return out
 
 

@@ -4,8 +4,9 @@ Brows and eyes are darker than forehead, nose and cheeks under almost any light,
 learning, no cascade: eleven comparisons on a patch of 12 x 14 pixels.
 """
 
-import cv2
 import numpy as np
+
+from vipr.systems.compiled import compiled
 
 WIDTH, HEIGHT = 12, 14
 # Cells (row0, row1, column0, column1) of the patch.
@@ -50,23 +51,47 @@ def face_marks(luma: np.ndarray, cores: np.ndarray) -> np.ndarray:
 
     The core of a face is the disc between its cheeks; the face is about 1.25 times as high as wide.
     """
-    rows, columns = luma.shape
-    patches, owner = [], []
-    for i, (x, y, r) in enumerate(cores):
-        for width, shift in _FRAMES:
-            half, tall = 0.5 * width * r, 0.625 * width * r
-            x0, x1 = max(round(x - half), 0), min(round(x + half) + 1, columns)
-            y0, y1 = max(round(y + shift * r - tall), 0), min(round(y + shift * r + tall) + 1, rows)
-            if x1 - x0 >= 6 and y1 - y0 >= 7:
-                patches.append(cv2.resize(luma[y0:y1, x0:x1], (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA))
-                owner.append(i)
     best = np.zeros(len(cores))
-    if patches:
-        p = np.array(patches)
-        p -= p.mean(axis=(1, 2), keepdims=True)
-        spread = np.sqrt(np.einsum("kij,kij->k", p, p) / (WIDTH * HEIGHT)) + 2.0
-        contrast = p.reshape(len(p), -1) @ _CONTRAST.T / spread[:, None]
-        agreed = np.clip(contrast * 2.0, -1.0, 1.0) @ _WEIGHT
-        symmetry = np.einsum("kij,kij->k", p, p[:, :, ::-1]) / (WIDTH * HEIGHT * spread**2)
-        np.maximum.at(best, owner, agreed * (0.5 + 0.5 * np.maximum(symmetry, 0.0)))
+    for i, core in enumerate(np.asarray(cores, float)):
+        for width, shift in _FRAMES:
+            best[i] = max(best[i], _marks(luma, core, width, shift, _CONTRAST, _WEIGHT))
     return best
+
+
+@compiled
+def _marks(luma, core, width, shift, contrasts, weights):
+    """0 to 1 for the patch that is ``width`` radii wide and ``shift`` radii below the core: which parts are darker, and the symmetry."""
+    x, y, r = core
+    half, tall = 0.5 * width * r, 0.625 * width * r
+    x0, x1 = max(round(x - half), 0), min(round(x + half) + 1, luma.shape[1])
+    y0, y1 = max(round(y + shift * r - tall), 0), min(round(y + shift * r + tall) + 1, luma.shape[0])
+    if x1 - x0 < 6 or y1 - y0 < 7:
+        return 0.0
+    patch = _reduced(luma[y0:y1, x0:x1])
+    patch -= patch.mean()
+    variance = (patch**2).mean()
+    spread = np.sqrt(variance) + 2.0
+    agreed = 0.0
+    for k in range(len(weights)):
+        contrast = (contrasts[k] * patch.ravel()).sum() / spread
+        agreed += weights[k] * min(max(2.0 * contrast, -1.0), 1.0)
+    symmetry = (patch * patch[:, ::-1]).mean() / spread**2
+    return agreed * (0.5 + 0.5 * max(symmetry, 0.0))
+
+
+@compiled
+def _reduced(image):
+    """(HEIGHT, WIDTH) means of the image over equal cells, parts of pixels counted by their area."""
+    rows, columns = image.shape
+    out = np.zeros((HEIGHT, WIDTH))
+    for i in range(HEIGHT):
+        top, bottom = i * rows / HEIGHT, (i + 1) * rows / HEIGHT
+        for j in range(WIDTH):
+            left, right = j * columns / WIDTH, (j + 1) * columns / WIDTH
+            total = 0.0
+            for y in range(int(top), min(int(np.ceil(bottom)), rows)):
+                high = min(bottom, y + 1.0) - max(top, float(y))
+                for x in range(int(left), min(int(np.ceil(right)), columns)):
+                    total += image[y, x] * high * (min(right, x + 1.0) - max(left, float(x)))
+            out[i, j] = total / ((bottom - top) * (right - left))
+    return out

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from vipr.systems.compiled import compiled
 from vipr.systems.skin.face_marks import face_marks
 from vipr.systems.skin.scene import Scene
 
@@ -26,19 +27,10 @@ class Found:
 def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, luma: np.ndarray, scene: Scene) -> Found:
     """What speaks for each of the labelled regions; ``skin`` (h, w) uint8, boxes (n, 4) x y w h."""
     n = len(boxes)
-    width = labels.shape[1]
-    index = np.flatnonzero(labels)
-    region = labels.ravel()[index].astype(np.int64) - 1
-    weight = skin.ravel()[index] * (1.0 / 255.0)
-    weight *= weight > 0.35
-    count = np.maximum(np.bincount(region, minlength=n), 1).astype(float)
-    mass = np.bincount(region, weight, n)
-    safe = np.maximum(mass, 1e-6)
-    y, x = np.divmod(index, width)
-    centres = np.stack([np.bincount(region, weight * x, n) / safe, np.bincount(region, weight * y, n) / safe], axis=1)
-    alive = np.bincount(region, scene.alive.ravel()[index], n) / count
-    known = np.bincount(region, scene.sure.ravel()[index], n) / count
-    moving = np.bincount(region, scene.motion.ravel()[index], n) / count
+    sums = _sums(labels, skin, scene.alive, scene.sure, scene.motion, n)
+    mass = sums[:, 1]
+    centres = sums[:, 2:4] / np.maximum(mass, 1e-6)[:, None]
+    alive, known, moving = (sums[:, 4:] / np.maximum(sums[:, :1], 1.0)).T
     cores = find_cores(labels, boxes)
     faceness = np.zeros(n)
     sharp = np.clip(
@@ -49,6 +41,27 @@ def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, luma: np.n
         faceness[likely] = sharp[likely] * np.clip(face_marks(luma, cores[likely]), 0.0, 1.0)
     person = 1.0 / (1.0 + np.exp(-(4.0 * alive + 3.0 * faceness - 3.0 * known - 0.8)))
     return Found(centres, mass, person, faceness, cores, moving)
+
+
+@compiled
+def _sums(labels, skin, alive, sure, motion, n):
+    """(n, 7) of each region: pixels, skin, skin times x and y; how much of it was alive, is surely background, moves."""
+    sums = np.zeros((n, 7))
+    for y in range(labels.shape[0]):
+        for x in range(labels.shape[1]):
+            k = int(labels[y, x]) - 1
+            if k >= 0:
+                weight = skin[y, x] / 255.0
+                if weight <= 0.35:
+                    weight = 0.0
+                sums[k, 0] += 1.0
+                sums[k, 1] += weight
+                sums[k, 2] += weight * x
+                sums[k, 3] += weight * y
+                sums[k, 4] += alive[y, x]
+                sums[k, 5] += sure[y, x]
+                sums[k, 6] += motion[y, x]
+    return sums
 
 
 def find_cores(labels: np.ndarray, boxes: np.ndarray) -> np.ndarray:

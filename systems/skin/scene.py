@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from vipr.systems.compiled import compiled
+
 SETTLE = 1.2  # s after which an unchanging pixel is surely background
 FORGET = 0.6  # s after which a changed pixel is no longer
 MOTION_HALF_LIFE = 0.35  # s, of the motion energy
@@ -44,20 +46,40 @@ def new_scene(pixels: np.ndarray) -> Scene:
 def light_change(raw: np.ndarray, scene: Scene, gains: np.ndarray) -> np.ndarray:
     """(3,) gains that bring the picture raw (h, w, 3) uint8 to the still scene's light; ``gains`` where too little of it is visible."""
     step = max(3, round((raw.shape[0] * raw.shape[1] / SAMPLES) ** 0.5))
-    now, then = (a[::step, ::step].reshape(-1, 3).astype(np.float32) for a in (raw, scene.pixels))
-    usable = (now > 8).all(1) & (now < 250).all(1) & (then > 4).all(1)
-    calm = usable & (scene.alive[::step, ::step].ravel() < 0.3)
-    if np.count_nonzero(calm) > 0.25 * len(calm):
-        usable = calm
-    if np.count_nonzero(usable) < 60:
+    ratio, usable = _ratios(raw, scene.pixels, scene.alive, step)
+    calm = usable == 2
+    if np.count_nonzero(calm) <= 0.25 * len(usable):
+        calm = usable > 0
+    if np.count_nonzero(calm) < 60:
         return gains
-    ratio = then[usable] / now[usable]
+    ratio = ratio[calm]
     middle = len(ratio) // 2
     fresh = np.partition(ratio, middle, axis=0)[middle]
     spread = np.partition(np.abs(ratio[:, 1] / fresh[1] - 1.0), middle)[middle]
     if spread > 0.25:  # another view, not another light
         return gains
     return np.clip(fresh, 0.15, 6.0)
+
+
+@compiled
+def _ratios(raw, then, alive, step):
+    """(n, 3) the scene over the picture at every ``step``-th place; and (n,) 2 where calm and well exposed, 1 well exposed, 0 not."""
+    rows, columns = (raw.shape[0] + step - 1) // step, (raw.shape[1] + step - 1) // step
+    ratio = np.ones((rows * columns, 3), np.float32)
+    usable = np.zeros(rows * columns, np.uint8)
+    for i in range(rows):
+        for j in range(columns):
+            now, was = raw[i * step, j * step], then[i * step, j * step]
+            if (
+                min(now[0], now[1], now[2]) > 8
+                and max(now[0], now[1], now[2]) < 250
+                and min(was[0], was[1], was[2]) > 4
+            ):
+                k = i * columns + j
+                usable[k] = 2 if alive[i * step, j * step] < 0.3 else 1
+                for c in range(3):
+                    ratio[k, c] = was[c] / now[c]
+    return ratio, usable
 
 
 def is_cut(pixels: np.ndarray, scene: Scene) -> bool:
@@ -73,39 +95,85 @@ def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float, brighter: fl
     ``brighter`` is the factor by which the gains have grown since the frame before: noise grows with them.
     """
     luma = brightness(pixels)
-    # Beyond all of the neighbourhood then: an edge under a trembling camera is not motion.
-    above = cv2.subtract(luma, cv2.dilate(scene.luma, _NEIGHBOURS))
-    below = cv2.subtract(cv2.erode(scene.luma, _NEIGHBOURS), luma)
-    difference = cv2.max(above, below)
     some = np.abs(luma[::6, ::6] - scene.luma[::6, ::6]).ravel()
     level = float(np.partition(some, len(some) // 2)[len(some) // 2]) * 1.5
     noise = max(1.0, brighter) * scene.noise
     noise = 0.9 * noise + 0.1 * min(max(level, 0.5), 12.0)
-    moved = (difference > 3.0 + 2.5 * noise).astype(np.float32)
+    # Beyond all of the neighbourhood then: an edge under a trembling camera is not motion.
+    highest, lowest = cv2.dilate(scene.luma, _NEIGHBOURS), cv2.erode(scene.luma, _NEIGHBOURS)
+    moved = _beyond(luma, lowest, highest, np.float32(3.0 + 2.5 * noise))
     # A lone noisy pixel is not motion: a third of the 3x3 neighbours must agree.
     moved *= cv2.blur(moved, (3, 3)) > 0.3
-    motion = np.maximum(scene.motion * np.float32(0.5 ** (dt / MOTION_HALF_LIFE)), moved)
-    near = np.minimum(cv2.blur(moved, (kernel, kernel)) * 6.0, 1.0)
-    alive = np.maximum(scene.alive * np.float32(0.5 ** (dt / ALIVE_HALF_LIFE)), near)
-    stood = np.where(_same(pixels, scene.pixels, luma, noise), scene.sure, np.float32(0.0))
+    near = cv2.blur(moved, (kernel, kernel))
+    fade, forget = np.float32(0.5 ** (dt / MOTION_HALF_LIFE)), np.float32(0.5 ** (dt / ALIVE_HALF_LIFE))
+    motion, alive, stood = _remember(moved, near, scene.motion, scene.alive, scene.sure, fade, forget)
+    _keep_same(stood, pixels, scene.pixels, luma, np.float32(5.0 + 4.0 * noise))
     return Scene(scene.pixels, scene.sure, scene.luma, motion, alive, noise), stood
 
 
-def _same(pixels: np.ndarray, then: np.ndarray, luma: np.ndarray, noise: float) -> np.ndarray:
-    """(h, w) bool, where no channel differs by more than noise and a little of the brightness."""
-    away = cv2.absdiff(pixels, then)
-    most = np.maximum(np.maximum(away[:, :, 0], away[:, :, 1]), away[:, :, 2])
-    return most < np.float32(5.0 + 4.0 * noise) + np.float32(0.04) * luma
+@compiled
+def _beyond(luma, lowest, highest, margin):
+    moved = np.empty(luma.shape, np.float32)
+    for i in range(luma.shape[0]):
+        for j in range(luma.shape[1]):
+            moved[i, j] = luma[i, j] > highest[i, j] + margin or luma[i, j] < lowest[i, j] - margin
+    return moved
+
+
+@compiled
+def _remember(moved, near, motion, alive, sure, fade, forget):
+    new_motion, new_alive, stood = np.empty_like(motion), np.empty_like(alive), np.empty_like(sure)
+    for i in range(moved.shape[0]):
+        for j in range(moved.shape[1]):
+            new_motion[i, j] = max(motion[i, j] * fade, moved[i, j])
+            new_alive[i, j] = max(alive[i, j] * forget, min(near[i, j] * np.float32(6.0), np.float32(1.0)))
+            stood[i, j] = sure[i, j]
+    return new_motion, new_alive, stood
+
+
+@compiled
+def _is_same(now, then, luma, margin):
+    """Whether no channel differs by more than noise and a little of the brightness."""
+    away = max(abs(now[0] - then[0]), abs(now[1] - then[1]), abs(now[2] - then[2]))
+    return away < margin + np.float32(0.04) * luma
+
+
+@compiled
+def _keep_same(stood, pixels, then, luma, margin):
+    for i in range(luma.shape[0]):
+        for j in range(luma.shape[1]):
+            if not _is_same(pixels[i, j], then[i, j], luma[i, j], margin):
+                stood[i, j] = 0.0
 
 
 def settle(scene: Scene, pixels: np.ndarray, person: np.ndarray, dt: float) -> Scene:
     """The scene after ``dt`` s in which pixels outside ``person`` (h, w) bool that did not change became surer background."""
-    same = _same(pixels, scene.pixels, scene.luma, scene.noise)
-    guarded = person | (scene.motion > 0.25)
-    step = np.where(same, np.float32(dt / SETTLE), np.float32(-dt / FORGET))
-    step[guarded] = -dt / (8 * FORGET)
-    sure = np.clip(scene.sure + step, 0.0, 1.0)
-    rate = np.where(same, np.float32(min(1.0, dt * 1.5)), np.float32(0.0))
-    rate[sure <= 0.0] = 1.0
-    picture = scene.pixels + rate[:, :, None] * (pixels - scene.pixels)
+    picture, sure = _settle(
+        scene.pixels,
+        scene.sure,
+        scene.luma,
+        scene.motion,
+        pixels,
+        person,
+        np.float32(5.0 + 4.0 * scene.noise),
+        np.float32(dt),
+    )
     return Scene(picture, sure, brightness(pixels), scene.motion, scene.alive, scene.noise)
+
+
+@compiled
+def _settle(then, sure, luma, motion, pixels, person, margin, dt):
+    picture, surer = np.empty_like(then), np.empty_like(sure)
+    for i in range(sure.shape[0]):
+        for j in range(sure.shape[1]):
+            same = _is_same(pixels[i, j], then[i, j], luma[i, j], margin)
+            step = dt / SETTLE if same else -dt / FORGET
+            if person[i, j] or motion[i, j] > 0.25:
+                step = -dt / (8 * FORGET)
+            surer[i, j] = min(max(sure[i, j] + step, 0.0), 1.0)
+            rate = min(1.0, 1.5 * dt) if same else 0.0
+            if surer[i, j] <= 0.0:
+                rate = 1.0
+            for c in range(3):
+                picture[i, j, c] = then[i, j, c] + rate * (pixels[i, j, c] - then[i, j, c])
+    return picture, surer
