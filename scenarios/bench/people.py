@@ -22,6 +22,7 @@ from vipr.systems.recording.video import VideoWriter
 from vipr.systems.skin.classifier import SkinOptions
 
 SIZES = ((160, 120), (320, 240), (640, 480), (1280, 720))
+REDUCED = (1280, 720, "1280x720, reduced")  # as the chain does unless told otherwise
 PAPER_MS = {"retrieval": 4.3, "segmentation": 0.6, "density": 2.1, "components": 2.1, "Kalman": 0.3}
 ROWS = (
     "retrieval", "segmentation", "density", "components", "Kalman", "light", "motion", "description", "learning", "tracking", "reduction",
@@ -32,6 +33,7 @@ VARIANTS = {
     "nothing adapts": SkinOptions(follow_light=False, adapt=False),
     "r-g box, adapting": SkinOptions(classifier="box", follow_light=False),
     "r-g box, fixed": SkinOptions(classifier="box", follow_light=False, adapt=False),
+    "skin locus shell": SkinOptions(classifier="locus", follow_light=False, adapt=False),
     "hue-saturation box": SkinOptions(classifier="hsi", follow_light=False, adapt=False),
 }
 PROGRAMS = ("constant", "fixed", "step", "drift")
@@ -48,11 +50,11 @@ def run(
     """The tables, one by one; ``data`` is the folder with video/, skin/ and images/."""
     chosen = chosen_parts("people", only, TABLES)
     if "time" in chosen:
-        yield time_table(40 if quick else 200, progress)
+        yield time_table(40 if quick else 120, progress)
     if "rooms" in chosen:
         yield from rooms_tables(10 if quick else 100, seed, progress)
     if "light" in chosen:
-        yield light_table(4 if quick else 20, seed, progress)
+        yield light_table(3 if quick else 10, seed, progress)
     if data is None and {"clips", "pixels"} & set(only or ()):
         raise InputError("bench people: clips and pixels need --data FOLDER with video/, skin/ and images/")
     if "clips" in chosen and data is not None:
@@ -79,17 +81,17 @@ class Stopwatch:
 
 
 def time_table(frames: int, progress) -> Table:
-    """Milliseconds a frame of each stage, median of frames of a rendered scene, working at the full size given."""
-    columns = ("stage [ms a frame]", "paper, 160x120", *(f"{w}x{h}" for w, h in SIZES))
+    """Milliseconds a frame of each stage, median of frames of a rendered scene, worked at the full size given and reduced."""
+    columns = ("stage [ms a frame]", "paper, 160x120", *(f"{w}x{h}" for w, h in SIZES), REDUCED[2])
     cells: dict[str, list[float]] = {row: [] for row in (*ROWS, "total")}
     small = [image for image, _ in film(random_scene(1, seconds=frames / 25.0))]
-    for w, h in SIZES:
+    for w, h, area in (*((w, h, w * h) for w, h in SIZES), (*REDUCED[:2], SkinOptions().working_area)):
         progress(f"time at {w}x{h}")
         images = [
             image if (w, h) == (160, 120) else cv2.resize(image, (w, h), interpolation=cv2.INTER_CUBIC)
             for image in small
         ]
-        watch, options = _Medians(), SkinOptions(working_area=float(w * h))
+        watch, options = _Medians(), SkinOptions(working_area=float(area))
         belief = PeopleBelief()
         for k, image in enumerate(images):
             watch.start()

@@ -44,7 +44,8 @@ def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, 
 def _price(
     name: str, t: Track, r: Candidate, face: Track | None, labels: np.ndarray, dt: float, u: float
 ) -> tuple[float, bool]:
-    """What it costs that a part is in a region, infinite where it cannot be; and whether it lies deep in it, so that it may share it.
+    """What it costs that a part is in a region, infinite where it cannot be; and whether it lies deep in it and was there
+    just now, so that it may share it.
 
     A merged or slender region's centre is far from its part: the nearer of centre and outline counts, at a price.
     """
@@ -68,7 +69,7 @@ def _price(
     cost += 3.0 * max(0.0, 0.5 - r.person)
     if name != "face":
         cost += 2.5 * max(0.0, 0.5 * t.life - r.moving)
-    return float(cost), gap < 2.5 * u
+    return float(cost), gap < 2.5 * u and t.unseen < 0.3
 
 
 def _together(regions: list, deep: list[bool], names: list[str], tracks: dict, found: list[Candidate]) -> float:

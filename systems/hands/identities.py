@@ -7,6 +7,7 @@ from vipr.systems.hands.measurement import head_of
 from vipr.systems.hands.parts import HEAD, born
 
 MIND_SIDES = 0.6  # s on the wrong sides, beyond those on the right ones, after which hands exchange names
+YOUNG = 25  # frames for which a hand has been followed, up to which only its side says which it is
 
 
 def settle_face(tracks: dict, free: list[Candidate], labels, rival: float, dt: float, u: float) -> tuple[dict, float]:
@@ -51,7 +52,8 @@ def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict,
         apart = np.sign(apart) * max(0.0, abs(apart) - 0.6 * width / u)
     else:
         return tracks, order
-    patience = MIND_SIDES * (3.0 if any(t.met for t in hands.values()) else 1.0)
+    crossed = any(t.met for t in hands.values()) and all(t.hits > YOUNG for t in hands.values())
+    patience = MIND_SIDES * (3.0 if crossed else 1.0)
     order = float(np.clip(order + dt * np.clip(apart / 10.0, -1.0, 1.0), -patience, 6.0))
     if order > -patience:
         return tracks, order

@@ -7,10 +7,10 @@ import numpy as np
 from vipr.systems.errors import InputError
 from vipr.systems.skin.chromaticity import Chromaticity, hue_saturation, lookup
 from vipr.systems.skin.colour_model import ColourModel, skin_table
-from vipr.systems.skin.locus import box_table
+from vipr.systems.skin.locus import SkinBox, box_table
 
 DARKEST = 36.0  # R + G + B below which chromaticity is noise
-CLASSIFIERS = ("ratio", "box", "hsi")
+CLASSIFIERS = ("ratio", "box", "locus", "hsi")
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class SkinOptions:
     """How skin is found. The defaults are the full chain; the others are for comparison."""
 
     working_area: float = 160.0 * 120.0  # px, to which frames are reduced (never enlarged)
-    classifier: str = "ratio"  # ratio (of histograms) | box (r-g, section II-A.1) | hsi (hue and saturation)
+    classifier: str = "ratio"  # ratio (of histograms) | box (r-g, II-A.1) | locus (shell) | hsi (hue, saturation)
     adapt: bool = True  # feed the detected regions back to the model
     follow_light: bool = True  # undo changes of the light seen on the still scene
     still_scene: bool = True  # what never changes is not the person
@@ -39,7 +39,9 @@ def classify(image: np.ndarray, colours: Chromaticity, model: ColourModel, optio
             np.uint8
         )
     elif options.classifier == "box":
-        skin = lookup(box_table(model.box), colours.index)
+        skin = lookup(box_table(model.box, locus=False), colours.index)
+    elif options.classifier == "locus":
+        skin = lookup(box_table(SkinBox(0.0, 1.0, 0.0, 1.0)), colours.index)
     else:
         skin = lookup(skin_table(model), colours.index)
     skin[colours.total < DARKEST] = 0
