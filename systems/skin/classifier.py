@@ -41,7 +41,7 @@ def classify(image: np.ndarray, colours: Chromaticity, model: ColourModel, optio
     elif options.classifier == "box":
         skin = lookup(box_table(model.box, locus=False), colours.index)
     elif options.classifier == "locus":
-        skin = lookup(box_table(SkinBox(0.0, 1.0, 0.0, 1.0)), colours.index)
+        skin = lookup(box_table(SkinBox(1.0 / 3.0, 1.0, 0.0, 1.0)), colours.index)
     else:
         skin = lookup(skin_table(model), colours.index)
     skin[colours.total < DARKEST] = 0
