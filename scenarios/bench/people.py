@@ -10,7 +10,7 @@ import numpy as np
 
 from vipr.scenarios.bench.people_clips import FACE_TOLERANCE, HAND_TOLERANCE, run_clips
 from vipr.scenarios.bench.people_pixels import classifiers, photographs, room_pixels, scores, uci_pixels
-from vipr.scenarios.bench.people_rooms import film, judge, summarise
+from vipr.scenarios.bench.people_rooms import expose, film, judge, shots, summarise
 from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.scenarios.people_scenes import light_program, random_scene
 from vipr.systems.camera.video_frames import open_video
@@ -209,10 +209,11 @@ def light_table(scenes: int, seed: int, progress) -> Table:
     results = {name: {program: [] for program in PROGRAMS} for name in VARIANTS}
     for k in range(scenes):
         scene = random_scene(seed + 500 + k, kind="apart")
+        pictures = list(shots(scene))
         for program in PROGRAMS:
             progress(f"light: scene {k + 1} of {scenes}, {program}")
             light = light_program(np.random.default_rng((seed, k)), program, len(scene.paths))
-            frames = list(film(scene, light))
+            frames = list(expose(scene, pictures, light))
             for name, options in VARIANTS.items():
                 results[name][program].append(judge(scene, frames, options))
     rows = []

@@ -31,15 +31,25 @@ class RoomResult:
     swapped: np.ndarray  # (n,) bool, each hand is at the other's place
 
 
-def film(scene: Scene, light: np.ndarray | None = None):
-    """(image, labels) frames of a scene, under its own light program or another (n, 2)."""
+def shots(scene: Scene):
+    """(image, labels) of each frame of a scene, in white light and without noise."""
     stage = studio(scene.body, scene.place)
     stage.dress(scene.look)
-    camera = ImperfectCamera(Imperfection(noise=1.5), scene.place.width, scene.place.height, scene.seed)
     rng = np.random.default_rng((scene.seed, 5))
-    for k, q in enumerate(joint_positions(scene.paths, stage.body, rng)):
-        image, labels = stage.shoot(q)
+    for q in joint_positions(scene.paths, stage.body, rng):
+        yield stage.shoot(q)
+
+
+def expose(scene: Scene, pictures, light: np.ndarray | None = None):
+    """The (image, labels) frames that the camera gives of :func:`shots`, under the scene's light program or another (n, 2)."""
+    camera = ImperfectCamera(Imperfection(noise=1.5), scene.place.width, scene.place.height, scene.seed)
+    for k, (image, labels) in enumerate(pictures):
         yield camera.expose(illuminate(image, *(scene.light if light is None else light)[k]), k), labels
+
+
+def film(scene: Scene):
+    """(image, labels) frames of a scene under its own light."""
+    return expose(scene, shots(scene))
 
 
 def judge(scene: Scene, frames, options: SkinOptions = SkinOptions()) -> RoomResult:
