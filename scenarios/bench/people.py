@@ -23,6 +23,7 @@ from vipr.systems.skin.classifier import SkinOptions
 
 SIZES = ((160, 120), (320, 240), (640, 480), (1280, 720))
 REDUCED = (1280, 720, "1280x720, reduced")  # as the chain does unless told otherwise
+WARM_UP = 10  # frames that are not timed
 PAPER_MS = {"retrieval": 4.3, "segmentation": 0.6, "density": 2.1, "components": 2.1, "Kalman": 0.3}
 ROWS = (
     "retrieval", "segmentation", "density", "components", "Kalman", "light", "motion", "description", "learning", "tracking", "reduction",
@@ -64,22 +65,6 @@ def run(
         yield from pixel_tables(data, 1 if quick else 5, progress)
 
 
-class Stopwatch:
-    """Sums the time between marks by the name of the mark that ends it [s]."""
-
-    def __init__(self):
-        self.spent, self._last = {}, time.perf_counter()
-
-    def start(self) -> None:
-        """Forget the time since the last mark."""
-        self._last = time.perf_counter()
-
-    def __call__(self, name: str) -> None:
-        now = time.perf_counter()
-        self.spent[name] = self.spent.get(name, 0.0) + now - self._last
-        self._last = time.perf_counter()
-
-
 def time_table(frames: int, progress) -> Table:
     """Milliseconds a frame of each stage, median of frames of a rendered scene, worked at the full size given and reduced."""
     columns = ("stage [ms a frame]", "paper, 160x120", *(f"{w}x{h}" for w, h in SIZES), REDUCED[2])
@@ -91,12 +76,13 @@ def time_table(frames: int, progress) -> Table:
             image if (w, h) == (160, 120) else cv2.resize(image, (w, h), interpolation=cv2.INTER_CUBIC)
             for image in small
         ]
-        watch, options = _Medians(), SkinOptions(working_area=float(area))
+        watch, options = _Stopwatch(), SkinOptions(working_area=float(area))
         belief = PeopleBelief()
         for k, image in enumerate(images):
             watch.start()
             belief = see_people(image, k / 25.0, k, belief, options, watch)
-            watch.end_of_frame()
+            if k >= WARM_UP:
+                watch.end_of_frame()
         watch.spent["retrieval"] = _retrieval(images)
         watch.spent["Kalman"] = [_kalman_time() for _ in range(50)]
         for row in ROWS:
@@ -113,13 +99,16 @@ def time_table(frames: int, progress) -> Table:
     return Table("Table I: time of each stage", columns, rows, note)
 
 
-class _Medians(Stopwatch):
-    """Collects each stage's time of every frame."""
+class _Stopwatch:
+    """The time between marks of every frame, by the name of the mark that ends it [s]."""
 
     def __init__(self):
-        super().__init__()
-        self._frame: dict[str, float] = {}
         self.spent: dict[str, list[float]] = {}
+        self._frame, self._last = {}, 0.0
+
+    def start(self) -> None:
+        """A frame begins."""
+        self._frame, self._last = {}, time.perf_counter()
 
     def __call__(self, name: str) -> None:
         now = time.perf_counter()
@@ -127,10 +116,9 @@ class _Medians(Stopwatch):
         self._last = time.perf_counter()
 
     def end_of_frame(self) -> None:
-        """Keep this frame's times; a stage that was not run took none."""
+        """Keep this frame's times; learning is not done in every frame."""
         for name in {*self._frame, "learning"}:
             self.spent.setdefault(name, []).append(self._frame.get(name, 0.0))
-        self._frame = {}
 
 
 def _retrieval(images: list[np.ndarray]) -> list[float]:

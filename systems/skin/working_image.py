@@ -33,6 +33,14 @@ def reduce(image: np.ndarray, area: float) -> tuple[np.ndarray, float]:
     if factor <= 1.05:
         return image, 1.0
     size = (max(8, round(w / factor)), max(8, round(h / factor)))
+    while (
+        image.shape[0] % 2 == image.shape[1] % 2 == 0
+        and image.shape[1] >= 2 * size[0]
+        and image.shape[0] >= 2 * size[1]
+    ):
+        image = cv2.resize(
+            image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA
+        )  # several times faster than all at once
     return cv2.resize(image, size, interpolation=cv2.INTER_AREA), float(factor)
 
 
