@@ -8,7 +8,7 @@ import numpy as np
 
 from vipr.diagrams.living_room import CameraPlace, LivingRoom, Look, random_look
 from vipr.models.person.generate import BODIES
-from vipr.scenarios.person_motion import HandPaths, joint_positions
+from vipr.scenarios.person_motion import HandPaths, joint_positions, rest
 from vipr.systems.camera.illumination import WHITE_KELVIN, illuminate
 from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
 from vipr.systems.hands.label_truth import tracks_from_labels
@@ -16,6 +16,8 @@ from vipr.systems.hands.pipeline import PeopleBelief, see_people
 from vipr.systems.signals import HandTracks
 
 PARTS = ("face", "left", "right")
+SIDES = ("right", "left")
+STRIDE = 0.05  # m a frame, the pace of a hand between two gestures
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,17 +103,16 @@ def film_gestures(
     place: CameraPlace | None = None,
     light: tuple[float, float] = (1.0, WHITE_KELVIN),
     imperfection: Imperfection | None = None,
-    lead_in: int = 8,
+    pause: int = 6,
     rate: float = 25.0,
     truth: bool = True,
     images: bool = False,
 ) -> Iterable[Film]:
     """Film each of the paths with one person in one room, track face and hands, and yield a :class:`Film` each.
 
-    ``seed`` draws body, look, idle motion and noise (where not given). Each film starts with ``lead_in`` frames at the first position,
-    which are tracked but not returned; hands are found anew in each film, what is known of skin, room and face
-    stays. ``light`` is
-    (intensity, colour temperature [K]). The same arguments give the same films.
+    ``seed`` draws body, look, idle motion and noise (where not given). Between two paths the hands go from the end of the one to the
+    beginning of the next and rest there for ``pause`` frames; that is filmed and tracked, but not returned. The tracker is told nothing of
+    where a path begins. ``light`` is (intensity, colour temperature [K]). The same arguments give the same films.
     """
     rng = np.random.default_rng(seed)
     body_name, drawn = str(rng.choice(list(BODIES))), random_look(rng)
@@ -119,19 +120,18 @@ def film_gestures(
     camera = ImperfectCamera(imperfection or Imperfection(noise=1.5), stage.place.width, stage.place.height, seed)
     stage.dress(look or drawn)
     belief, number = PeopleBelief(), 0
+    before = {side: rest(stage.body, side) for side in SIDES}
     for path in paths:
-        led = HandPaths(
-            *(None if p is None else np.vstack([np.repeat(p[:1], lead_in, 0), p]) for p in (path.right, path.left))
-        )
+        whole = _led_in(path, before, stage.body, pause)
+        before = {s: rest(stage.body, s) if getattr(path, s) is None else getattr(path, s)[-1] for s in SIDES}
         tracks, truths, pictures = [], [], []
-        belief = belief.without_hands()
-        for k, q in enumerate(joint_positions(led, stage.body, rng, rate=rate)):
+        for k, q in enumerate(joint_positions(whole, stage.body, rng, rate=rate)):
             image, labels = stage.shoot(q, truth)
             image = camera.expose(illuminate(image, *light), number)
             time = number / rate
             belief = see_people(image, time, number, belief)
             number += 1
-            if k >= lead_in:
+            if k >= len(whole) - len(path):
                 tracks.append(belief.tracks)
                 truths.append(tracks_from_labels(labels, time, number - 1) if truth else HandTracks(time=time))
                 if images:
@@ -139,3 +139,20 @@ def film_gestures(
         yield Film(
             TrackTable.of(tracks), TrackTable.of(truths), stage.shoulder_px, np.array(pictures) if images else None
         )
+
+
+def _led_in(path: HandPaths, before: dict, body, pause: int) -> HandPaths:
+    """The path after the way to its beginning from ``before``, at most ``STRIDE`` a frame on average, and a pause."""
+    start = {s: rest(body, s) if getattr(path, s) is None else getattr(path, s)[0] for s in SIDES}
+    furthest = max(np.linalg.norm(start[s] - before[s]) for s in SIDES)
+    share = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, max(4, int(np.ceil(furthest / STRIDE)))))[:, None]
+    hands = {}
+    for side in SIDES:
+        own = getattr(path, side)
+        if own is None and np.array_equal(before[side], start[side]):
+            hands[side] = None
+            continue
+        there = np.repeat(start[side][None], pause + (len(path) if own is None else 0), axis=0)
+        way = before[side] + share * (start[side] - before[side])
+        hands[side] = np.concatenate([way, there, *([] if own is None else [own])])
+    return HandPaths(**hands)

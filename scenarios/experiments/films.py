@@ -87,7 +87,7 @@ class Sitting:
     @property
     def file(self) -> str:
         """Name of the file, with a hash of the paths, the person, the seed and the camera."""
-        digest = hashlib.sha256(f"2 {self.camera} {self.person} {self.seed}".encode())
+        digest = hashlib.sha256(f"3 {self.camera} {self.person} {self.seed}".encode())
         for path in self.paths:
             for hand in (path.right, path.left):
                 digest.update(b"-" if hand is None else np.round(hand, 6).tobytes())
