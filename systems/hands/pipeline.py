@@ -23,10 +23,6 @@ class PeopleBelief:
         """Face and hands in the last frame."""
         return self.hands.output
 
-    def without_hands(self) -> "PeopleBelief":
-        """The same knowledge of skin, scene and face, but no hand tracked yet."""
-        return replace(self, hands=self.hands.only_face())
-
 
 def see_people(
     image: np.ndarray,

@@ -35,10 +35,6 @@ class TracksBelief:
     faceless: float = 0.0  # s without a face
     output: HandTracks = HandTracks()
 
-    def only_face(self) -> "TracksBelief":
-        """The same, but no hand is known."""
-        return replace(self, parts=tuple((name, t) for name, t in self.parts if name == "face"))
-
     def __copy__(self):
         return self
 
