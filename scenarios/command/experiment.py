@@ -147,7 +147,7 @@ def instructions(
         save_model(
             classifier,
             model,
-            {"language": "instructions", "camera": camera, "seed": seed, "sequences": len(classifier.counts_)},
+            {"language": "instructions", "camera": camera, "seed": seed, "sequences": int(classifier.counts_.sum())},
         )
     named = np.where(outcome.rejected, "rejected", outcome.answer)[gesture]
     title = f"unseen people: {rates['recognised_percent']:.1f} % recognised"
@@ -170,6 +170,10 @@ def instructions(
             "median": round(float(np.rad2deg(np.nanmedian(outcome.angle[gesture]))), 2),
             "p90": round(float(np.rad2deg(np.nanquantile(outcome.angle[gesture], 0.9))), 2),
         },
+        "named_after_end_s": {
+            "median": round(float(np.nanmedian(outcome.delay)), 3),
+            "p95": round(float(np.nanquantile(outcome.delay, 0.95)), 3),
+        },
         "per_gesture_percent": {
             str(c): round(100.0 * float((named[outcome.truth[gesture] == c] == c).mean()), 2)
             for c in np.unique(outcome.truth[gesture])
@@ -181,10 +185,12 @@ def instructions(
         return
     console = Console()
     console.print(f"{summary['trained_on']} gestures of {trial.TRAINING[0]} people for training, {_what(camera)}")
+    after = summary["named_after_end_s"]
     console.print(
         f"[bold]{rates['recognised_percent']:.1f} %[/bold] of {summary['tested_on']} gestures of {trial.TEST[0]} unseen people recognised "
         f"(paper: 78 %); {rates['rejected_percent']:.1f} % rejected; {rates['false_acceptance_percent']:.1f} % of "
-        f"{summary['non_gestures']} non-gestures accepted; pointing within {summary['pointing_error_deg']['median']:.0f} deg (median)"
+        f"{summary['non_gestures']} non-gestures accepted; pointing within {summary['pointing_error_deg']['median']:.0f} deg (median); "
+        f"named {1000 * after['median']:.0f} ms after its end (95 %: {1000 * after['p95']:.0f} ms)"
     )
 
 

@@ -41,7 +41,7 @@ class Movements:
 
     trajectories: list[Trajectory]
     film: np.ndarray  # (M,) which film each is from
-    delay: np.ndarray  # (M,) s from the end of the movement to the frame after which it was cut
+    delay: np.ndarray  # (M,) s from the true end of the film's gesture to the frame after which the movement was cut
     main: np.ndarray  # (M,) bool: of a film's movements the one that overlaps the gesture most
 
 
@@ -59,13 +59,13 @@ def cut(reels: list[Reel], settings: PauseSettings | None = None) -> Movements:
                     continue
                 motion, movement = advance(motion, tracks.time, point, settings)
                 if movement is not None:
-                    found.append((movement, tracks.time - movement.times[-1]))
+                    found.append((movement, tracks.time))
             first, last = r.bounds[k] / RATE
             overlap = [min(last, m.times[-1]) - max(first, m.times[0]) for m, _ in found]
-            for n, (m, d) in enumerate(found):
+            for n, (m, named) in enumerate(found):
                 trajectories.append(m)
                 film.append(number)
-                delay.append(d)
+                delay.append(named - last)
                 main.append(n == int(np.argmax(overlap)) and overlap[n] > 0)
             number += 1
     return Movements(trajectories, np.array(film, int), np.array(delay), np.array(main, bool))
@@ -92,7 +92,7 @@ class Trial:
     margin: (
         np.ndarray
     )  # (N,) of the main movement; of non-gestures the largest of all movements that are not called garbage outright
-    delay: np.ndarray  # (M,) s, of all movements
+    delay: np.ndarray  # (N,) s from the end of the gesture to its name; NaN where none was cut and of non-gestures
     angle: np.ndarray  # (N,) rad between the direction given and the one meant; NaN where none
 
 
@@ -103,7 +103,8 @@ def try_language(classifier: GestureClassifier, reels: list[Reel]) -> Trial:
     targets = np.concatenate([r.targets for r in reels])
     N = len(truth)
     answer, rejected = np.full(N, "missed", object), np.ones(N, bool)
-    accepted, margin, angle = np.zeros(N, int), np.full(N, -np.inf), np.full(N, np.nan)
+    accepted, margin = np.zeros(N, int), np.full(N, -np.inf)
+    angle, delay = np.full(N, np.nan), np.full(N, np.nan)
     label, _, refused = classifier.recognise(movements.trajectories)
     best = classifier.classes_[classifier.predict_proba(movements.trajectories).argmax(axis=1)]
     margins = np.where(best == GARBAGE, -np.inf, classifier.margins(movements.trajectories))
@@ -114,10 +115,10 @@ def try_language(classifier: GestureClassifier, reels: list[Reel]) -> Trial:
         if movements.main[m]:
             answer[k], rejected[k] = label[m], refused[m]
             if truth[k] != GARBAGE:
-                margin[k] = margins[m]
+                margin[k], delay[k] = margins[m], movements.delay[m]
             given = direction(movements.trajectories[m].points)
             angle[k] = np.arccos(np.clip(given @ targets[k], -1.0, 1.0)) if np.isfinite(targets[k]).all() else np.nan
-    return Trial(truth, answer, rejected, accepted, margin, movements.delay, angle)
+    return Trial(truth, answer, rejected, accepted, margin, delay, angle)
 
 
 def rates(trial: Trial, threshold: float | None = None) -> dict:

@@ -109,6 +109,7 @@ def test_instructions_of_unseen_people_are_known_and_idle_hands_are_not(language
     assert rates["recognised_percent"] > 75.0
     assert rates["false_acceptance_percent"] < 25.0
     assert np.nanmedian(outcome.angle) < np.deg2rad(15.0)
+    assert np.nanmedian(outcome.delay) <= 0.2  # s
 
 
 def test_rejection_grows_with_the_threshold_and_acceptance_falls(language):
