@@ -40,6 +40,7 @@ def register(app: typer.Typer) -> None:
     group = typer.Typer(help="Measure a stage; the tables of the README.", no_args_is_help=True)
     app.add_typer(group, name="bench")
     group.command("align")(align)
+    group.command("grasp")(grasp)
     for name, (summary, parts) in TABLES.items():
         group.command(name, help=summary)(_tables_command(name, parts))
 
@@ -63,6 +64,28 @@ def align(
         print(json.dumps(summaries, indent=2))
     else:
         print_table(summaries)
+
+
+def grasp(
+    trials: Annotated[int, typer.Option(help="Placements, over all objects in turn.", min=1)] = 200,
+    only: Annotated[str, typer.Option(help="Parts, with commas between: placements, errors, choices, physics.")] = "",
+    seed: Annotated[int, typer.Option(help="Seed of the first placement.", min=0)] = 1000,
+    settings: Annotated[
+        list[str], typer.Option("--set", metavar="KEY=VALUE", help="A setting of `pick`; repeatable.")
+    ] = [],  # noqa: B006 (typer copies it)
+    jobs: Annotated[int, typer.Option(help="Picks at a time; one core each.", min=1)] = 1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
+) -> None:
+    """Picks of random placements: held, slip, tilt; with errors of the pose, without parts of the robot, with finer physics."""
+    from rich.console import Console
+
+    from vipr.scenarios.bench.grasp import run
+    from vipr.scenarios.bench.tables import print_json, print_tables
+
+    console = Console(stderr=True, soft_wrap=True)
+    tell = console.print if not console.is_terminal else console.log
+    wanted = [part.strip() for part in only.split(",") if part.strip()]
+    (print_json if as_json else print_tables)(run(trials, wanted, seed, jobs, settings, tell))
 
 
 def _tables_command(name: str, parts: str):

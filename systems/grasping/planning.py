@@ -30,6 +30,8 @@ STEP = 0.03  # m between the points of a straight line
 LARGEST_TURN = 0.35  # rad of one joint between them
 RAISE = 0.12  # m, of the way around by above
 REACH_SPEED = 0.4  # m/s, of the hand on the way to the reference point
+REACH_CLEARANCE = 0.010  # m, on that way
+REACH_STEP = 0.05  # s between the places of it that are looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,22 +179,21 @@ def _carry(X_WL: np.ndarray, q: np.ndarray, arm: SerialArm, errand: Errand) -> n
 
 def _reach(q_now, q_ref, X_WR, around: Surroundings, hands, objects) -> tuple[JointPath, float] | None:
     """A free path through joint space to the reference point, straight or around by above, and its clearance [m]."""
-    ways = [np.array([q_now, q_ref])]
-    X_WE = around.arm.tool_pose(q_now)
-    for X_WV in (_shifted(X_WR, [0.0, 0.0, RAISE]), _shifted(X_WE, [0.0, 0.0, RAISE])):
+    X_WE, vias = around.arm.tool_pose(q_now), []
+    for X_WV, near in ((_shifted(X_WR, [0.0, 0.0, RAISE]), q_ref), (_shifted(X_WE, [0.0, 0.0, RAISE]), q_now)):
         try:
-            q_via = puma560.inverse_near(X_WV @ se3.inverse(around.arm.X_6E), q_ref, MARGIN)
+            vias.append(puma560.inverse_near(X_WV @ se3.inverse(around.arm.X_6E), near, MARGIN))
         except InputError:
             continue
-        ways.append(np.array([q_now, q_via, q_ref]))
-    for points in ways:
-        path = joint_path(points, around.limits, float(np.linalg.norm(X_WR[:3, 3] - X_WE[:3, 3])), REACH_SPEED)
-        walked = path.curve(np.linspace(0.0, 1.0, 12))
+    length = float(np.linalg.norm(X_WR[:3, 3] - X_WE[:3, 3]))
+    for between in ([], *([via] for via in vias), vias[::-1]):
+        path = joint_path(np.array([q_now, *between, q_ref]), around.limits, length, REACH_SPEED)
+        walked = path.curve(np.linspace(0.0, 1.0, int(np.ceil(path.duration / REACH_STEP)) + 1))
         if not ((walked > around.limits.lower) & (walked < around.limits.upper)).all():
             continue
         # Where it starts is where it is: only the way counts.
         clearance = min(_clearance(around, hand, walked[1:], objects) for hand in hands)
-        if clearance >= LEAST_CLEARANCE:
+        if clearance >= REACH_CLEARANCE:
             return path, clearance
     return None
 

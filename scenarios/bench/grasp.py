@@ -1,0 +1,115 @@
+"""``vipr bench grasp``: picks of random placements, with errors of the pose, with parts of the robot left out, and with finer physics."""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+
+from vipr.models import object_names
+from vipr.scenarios.bench.tables import Table, chosen_parts
+from vipr.scenarios.pick_trial import pick_trial
+
+PARTS = ("placements", "errors", "choices", "physics")
+ERRORS = (2.0, 4.0, 6.0, 8.0, 10.0)  # mm and degrees
+CHOICES = {
+    "no TorqueSwitch": ("hand.break_away_torque=.inf",),
+    "the best grasp only, once": ("one_grasp=true", "pick.attempts=1"),
+    "point contact": ("contact_model=point",),
+    "the tracker alone, without the support": ("pick.settle=false", "pick.sure_mm=20"),
+}
+AS_IT_IS = "as it is"
+HALF_STEP = ("time_step_s=0.0025",)
+
+ENERGIES = {  # largest kinetic energy of everything while a grasp is held
+    "energy at first mJ": "kinetic_first_j",  # third of the hold
+    "energy at last mJ": "kinetic_last_j",
+}
+JUDGED = ("held %", "median slip mm", "worst slip mm", "worst tilt deg", "attempts", "knocked over", "unnoticed")
+
+Rows = list[dict]
+
+
+def run(
+    trials: int, only: list[str], seed: int, jobs: int, settings: list[str], progress: Callable[[str], None]
+) -> Iterator[Table]:
+    """The tables of the parts asked for; ``trials`` placements, a fifth of them for each error, choice and for the finer physics."""
+    parts, part, objects = chosen_parts("grasp", only, PARTS), max(1, trials // 5), object_names()
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+
+        def picks(count: int, name: str, *overrides: str) -> Rows:
+            """The first ``count`` placements with these settings."""
+            tasks = [(objects[i % len(objects)], seed + i, (*settings, *overrides)) for i in range(count)]
+            rows = []
+            for row in pool.map(pick_trial, *zip(*tasks, strict=True)):
+                rows.append(row)
+                progress(f"{name}: {len(rows)} of {count}; {row['object']} {row['seed']}: {row['reason']}")
+            return rows
+
+        rows = picks(trials if "placements" in parts else part, AS_IT_IS)
+        if "placements" in parts:
+            yield _placements(rows)
+        same = rows[:part]
+        if "errors" in parts:
+            levels = {e: picks(part, f"{e:g} mm", f"pose_error_mm={e}", f"pose_error_deg={e}") for e in ERRORS}
+            yield _compared(
+                "Errors added to the pose",
+                "error, mm and degrees",
+                {"0": same, **{f"{e:g}": r for e, r in levels.items()}},
+            )
+        if "choices" in parts:
+            variants = {name: picks(part, name, *overrides) for name, overrides in CHOICES.items()}
+            yield _compared("What each choice is worth", "robot", {AS_IT_IS: same, **variants})
+        if "physics" in parts:
+            finer = picks(part, "half the time step", *HALF_STEP)
+            yield _physics(same, finer)
+
+
+def _placements(rows: Rows) -> Table:
+    columns = ("object", "placements", *JUDGED)
+    table = Table("Random placements, pose from the tracker: lifted 150 mm, carried 300 mm, held 5 s", columns)
+    groups = {name: [r for r in rows if r["object"] == name] for name in object_names()}
+    for name, some in {**groups, "all": rows}.items():
+        if some:
+            table.rows.append((name, len(some), *_summary(some)))
+    table.note = "; ".join(f"{r['object']} seed {r['seed']}: {r['reason']}" for r in rows if not r["success"])
+    return table
+
+
+def _compared(title: str, first: str, variants: dict[str, Rows]) -> Table:
+    columns = (first, "placements", *JUDGED)
+    table = Table(title, columns)
+    table.rows = [(name, len(rows), *_summary(rows)) for name, rows in variants.items()]
+    return table
+
+
+def _physics(coarse: Rows, fine: Rows) -> Table:
+    columns = ("time step", "placements", "held %", "median slip mm", *ENERGIES)
+    table = Table("Physics: half the time step, and energy while a grasp is held", columns)
+    for name, rows in (("5 ms", coarse), ("2.5 ms", fine)):
+        energy = [1e3 * max((r[key] for r in rows if key in r), default=np.nan) for key in ENERGIES.values()]
+        table.rows.append((name, len(rows), _percent(rows), _numbers(rows, "slip_mm", np.median), *energy))
+    return table
+
+
+def _summary(rows: Rows) -> tuple:
+    attempts = float(np.mean([r.get("attempts", 0) for r in rows]))
+    return (
+        _percent(rows),
+        _numbers(rows, "slip_mm", np.median),
+        _numbers(rows, "slip_mm", np.max),
+        _numbers(rows, "object_tilt_deg", np.max),
+        attempts,
+        int(sum(r.get("knocked_over", 0) for r in rows)),
+        int(sum(r.get("unnoticed", 0) for r in rows)),
+    )
+
+
+def _percent(rows: Rows) -> float:
+    return 100.0 * float(np.mean([r["success"] for r in rows]))
+
+
+def _numbers(rows: Rows, key: str, of) -> float:
+    """Of the picks that held."""
+    values = [r[key] for r in rows if r["success"]]
+    return float(of(values)) if values else float("nan")
