@@ -23,6 +23,7 @@ class HandDriver(LeafSystem):
         output_ports:
         - desired_state
         - motor_position
+        - motor_count
         - motor_torque
         - clutch
         - finger_torque
@@ -34,7 +35,8 @@ class HandDriver(LeafSystem):
     currents [N m].
 
     ``desired_state`` (16): [q; v] for the PD controllers of the plant's joints; between two ticks it goes on at the tick's rates.
-    ``motor_position`` (4): where the motors are, in the units of the command; ``motor_torque`` (4): what they bear [N m]; ``clutch`` (3):
+    ``motor_position`` (4): where the motors are, in the units of the command; ``motor_count`` (4): the same in counts of their
+    encoders; ``motor_torque`` (4): what they bear [N m]; ``clutch`` (3):
     1 seated, 0 broken away; ``finger_torque`` (3): torque about each finger's last joint, as by its strain gauge, positive when the tip
     is pushed open [N m]. These are of the last tick and held; before the first tick: the initial angles, no torque, clutches seated.
 
@@ -60,6 +62,7 @@ class HandDriver(LeafSystem):
             "desired_state", BasicVector(16), self._calc_desired_state, held | {self.time_ticket()}
         )
         self.DeclareVectorOutputPort("motor_position", BasicVector(4), self._calc_motor_position, held)
+        self.DeclareVectorOutputPort("motor_count", BasicVector(4), self._calc_motor_count, held)
         self.DeclareVectorOutputPort("motor_torque", BasicVector(4), self._calc_motor_torque, held)
         self.DeclareVectorOutputPort("clutch", BasicVector(3), self._calc_clutch, held)
         self.DeclareVectorOutputPort("finger_torque", BasicVector(3), self._calc_finger_torque, held)
@@ -85,6 +88,10 @@ class HandDriver(LeafSystem):
 
     def _calc_motor_position(self, context, output):
         output.set_value(context.get_discrete_state(self._state).get_value()[_ANGLE])
+
+    def _calc_motor_count(self, context, output):
+        angles = context.get_discrete_state(self._state).get_value()[_ANGLE]
+        output.set_value(transmission.counts(angles).astype(float))
 
     def _calc_motor_torque(self, context, output):
         output.set_value(context.get_discrete_state(self._state).get_value()[_MOTOR_TORQUE])
