@@ -208,14 +208,15 @@ def judge_pick(
     raised = X_WO[-1, 2, 3] - X_WO[0, 2, 3]
     X_EO = np.linalg.inv(X_WE) @ X_WO
     held = bool(lifts and raised > 0.8 * lift)
-    slip = np.nan
-    if lifts:
-        after = times >= lifts[-1]
-        slip = float(np.linalg.norm(X_EO[after][:, :3, 3] - X_EO[after][0, :3, 3], axis=1).max())
-        held = held and slip < 0.03
+    slip, later_slip = _slip(X_EO[times >= lifts[-1]]) if lifts else np.nan, np.nan
+    lifted = [time for time, text in phases if text == "check"]
+    if held and lifted:
+        later_slip = _slip(X_EO[times >= lifted[-1]])
+        held = slip < 0.03
     figures |= {
         "held": float(held),
         "slip_mm": 1e3 * slip,
+        "slip_after_lift_mm": 1e3 * later_slip,
         "object_tilt_deg": float(np.degrees(tilt[-1])),
         "most_tilt_deg": float(np.degrees(tilt.max())),
         "raised_mm": 1e3 * raised,
@@ -226,6 +227,11 @@ def judge_pick(
     if claims and not held:
         reason = f"the robot says {said!r}, but the object is not in its hand"
     return Outcome(held and claims, reason, figures)
+
+
+def _slip(X_EO: np.ndarray) -> float:
+    """The farthest that the object came in the hand [m] from where it was at first."""
+    return float(np.linalg.norm(X_EO[:, :3, 3] - X_EO[0, :3, 3], axis=1).max())
 
 
 def _direction(rng: np.random.Generator) -> np.ndarray:

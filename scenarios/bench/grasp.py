@@ -25,7 +25,17 @@ ENERGIES = {  # largest kinetic energy of everything while a grasp is held
     "energy at first mJ": "kinetic_first_j",  # third of the hold
     "energy at last mJ": "kinetic_last_j",
 }
-JUDGED = ("held %", "median slip mm", "worst slip mm", "worst tilt deg", "attempts", "knocked over", "unnoticed")
+JUDGED = (
+    "held %",
+    "slip mm",
+    "worst",
+    "once lifted mm",
+    "worst once lifted",
+    "tilt deg",
+    "attempts",
+    "knocked over",
+    "unnoticed",
+)
 
 Rows = list[dict]
 
@@ -98,6 +108,8 @@ def _summary(rows: Rows) -> tuple:
         _percent(rows),
         _numbers(rows, "slip_mm", np.median),
         _numbers(rows, "slip_mm", np.max),
+        _numbers(rows, "slip_after_lift_mm", np.median),
+        _numbers(rows, "slip_after_lift_mm", np.max),
         _numbers(rows, "object_tilt_deg", np.max),
         attempts,
         int(sum(r.get("knocked_over", 0) for r in rows)),
