@@ -16,7 +16,7 @@ from vipr.systems import se3
 from vipr.systems.arm.encoders import JointEncoders
 from vipr.systems.hand import transmission
 from vipr.systems.hand.driver import HandDriver
-from vipr.systems.hand.torque_switch import Drives
+from vipr.systems.hand.torque_switch import GRASPING, Drives
 from vipr.systems.truth import PoseTruth
 
 CARRIAGE_MASS = 2.0  # kg, of each slide
@@ -32,7 +32,7 @@ class HandBenchConfig:
     X_WO: np.ndarray = field(default_factory=lambda: np.eye(4))  # of the object; the support is z = 0
     X_WE: np.ndarray = field(default_factory=lambda: se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 0.3]))
     motors: np.ndarray = field(default_factory=lambda: np.zeros(4))  # rad, where they start
-    drives: Drives = Drives()
+    drives: Drives = GRASPING
     contact_model: str = "hydroelastic_with_fallback"  # or point
     time_step: float = 0.002  # s
 
@@ -48,6 +48,7 @@ class HandBench(Diagram):
         - torque_limit
         - carriage_desired_state
         output_ports:
+        - joint_state
         - motor_position
         - motor_torque
         - finger_torque
@@ -57,10 +58,10 @@ class HandBench(Diagram):
         - contact_results
         - query_object
 
-    Frames: W world, on the support, z up; O object; E the hand's ``grasp`` frame. ``motor_command`` (4) and
-    ``torque_limit`` (4) are the hand driver's [rad, N m]. ``carriage_desired_state`` (6) is the shift of the hand from where it started
-    [x, y, z; rates] in W [m, m/s]; its orientation stays. ``contact_results`` are the plant's, ``query_object``
-    is the scene graph's, for a camera.
+    Frames: W world, on the support, z up; O object; E the hand's ``grasp`` frame. ``motor_command`` (4) and ``torque_limit`` (4) are the
+    hand driver's [rad, N m]. ``carriage_desired_state`` (6) is the shift of the hand from where it started [x, y, z; rates] in W
+    [m, m/s]; its orientation stays. ``joint_state`` (16) is the encoders' [q; qdot] of the hand's joints. ``contact_results`` are the
+    plant's, ``query_object`` is the scene graph's, for a camera.
     """
 
     def __init__(self, config: HandBenchConfig):
@@ -91,6 +92,7 @@ class HandBench(Diagram):
             builder.ExportInput(driver.GetInputPort(name), name)
         builder.ExportInput(plant.get_desired_state_input_port(carriage), "carriage_desired_state")
         for system, names in (
+            (encoders, ("joint_state",)),
             (driver, ("motor_position", "motor_torque", "finger_torque", "clutch")),
             (truth, ("X_WO_true", "X_WE_true")),
         ):

@@ -6,9 +6,12 @@ from vipr.scenarios.align import Align, Follow
 from vipr.scenarios.pick import Pick
 from vipr.scenarios.place_by_showing import PlaceByShowing
 from vipr.scenarios.scenario import Scenario
+from vipr.scenarios.torque_switch import TorqueSwitch
 from vipr.systems.errors import InputError
 
-SCENARIOS: dict[str, type[Scenario]] = {scenario.name: scenario for scenario in (Align, Follow, PlaceByShowing, Pick)}
+SCENARIOS: dict[str, type[Scenario]] = {
+    scenario.name: scenario for scenario in (Align, Follow, PlaceByShowing, Pick, TorqueSwitch)
+}
 
 
 def find_scenario(name: str) -> type[Scenario]:

@@ -205,7 +205,7 @@ def judge_pick(
     figures = {"attempts": attempts, "time_s": phases[-1][0] if phases else np.nan}
     up = X_WO[:, :3, :3].transpose(0, 2, 1) @ np.array([0.0, 0.0, 1.0])
     tilt = np.arccos(np.clip(up @ up[0], -1.0, 1.0))
-    raised = X_WO[-1, 2, 3] - X_WO[0, 2, 3]
+    raised = float(X_WO[-1, 2, 3] - X_WO[0, 2, 3])
     X_EO = np.linalg.inv(X_WE) @ X_WO
     held = bool(lifts and raised > 0.8 * lift)
     slip, later_slip = _slip(X_EO[times >= lifts[-1]]) if lifts else np.nan, np.nan

@@ -1,8 +1,10 @@
 """``vipr bench grasp``: picks of random placements, with errors of the pose, with parts of the robot left out, and with finer physics."""
 
+import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 
@@ -41,19 +43,33 @@ Rows = list[dict]
 
 
 def run(
-    trials: int, only: list[str], seed: int, jobs: int, settings: list[str], progress: Callable[[str], None]
+    trials: int,
+    only: list[str],
+    seed: int,
+    jobs: int,
+    settings: list[str],
+    kept: Path | None,
+    progress: Callable[[str], None],
 ) -> Iterator[Table]:
-    """The tables of the parts asked for; ``trials`` placements, a fifth of them for each error, choice and for the finer physics."""
-    parts, part, objects = chosen_parts("grasp", only, PARTS), max(1, trials // 5), object_names()
+    """The tables of the parts asked for: ``trials`` placements, a fifth of them for each error, choice and for the finer physics.
+
+    Picks are written to the file ``kept`` as they are done, and those found there are not done again.
+    """
+    parts, part = chosen_parts("grasp", only, PARTS), max(1, trials // 5)
+    store = _Store(kept)
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
 
         def picks(count: int, name: str, *overrides: str) -> Rows:
-            """The first ``count`` placements with these settings."""
+            """The first ``count`` placements with these settings, objects in turn."""
+            objects = object_names()
             tasks = [(objects[i % len(objects)], seed + i, (*settings, *overrides)) for i in range(count)]
+            waiting = {task: pool.submit(pick_trial, *task) for task in tasks if task not in store}
             rows = []
-            for row in pool.map(pick_trial, *zip(*tasks, strict=True)):
-                rows.append(row)
-                progress(f"{name}: {len(rows)} of {count}; {row['object']} {row['seed']}: {row['reason']}")
+            for task in tasks:
+                if task in waiting:
+                    store.keep(task, waiting[task].result())
+                rows.append(store[task])
+                progress(f"{name}: {len(rows)} of {count}; {task[0]} {task[1]}: {rows[-1]['reason']}")
             return rows
 
         rows = picks(trials if "placements" in parts else part, AS_IT_IS)
@@ -61,18 +77,31 @@ def run(
             yield _placements(rows)
         same = rows[:part]
         if "errors" in parts:
-            levels = {e: picks(part, f"{e:g} mm", f"pose_error_mm={e}", f"pose_error_deg={e}") for e in ERRORS}
-            yield _compared(
-                "Errors added to the pose",
-                "error, mm and degrees",
-                {"0": same, **{f"{e:g}": r for e, r in levels.items()}},
-            )
+            levels = {f"{e:g}": picks(part, f"{e:g} mm", f"pose_error_mm={e}", f"pose_error_deg={e}") for e in ERRORS}
+            yield _compared("Errors added to the pose", "error, mm and degrees", {"0": same, **levels})
         if "choices" in parts:
             variants = {name: picks(part, name, *overrides) for name, overrides in CHOICES.items()}
             yield _compared("What each choice is worth", "robot", {AS_IT_IS: same, **variants})
         if "physics" in parts:
-            finer = picks(part, "half the time step", *HALF_STEP)
-            yield _physics(same, finer)
+            yield _physics(same, picks(part, "half the time step", *HALF_STEP))
+
+
+class _Store(dict):
+    """Rows by task, and in a file with one JSON line a pick."""
+
+    def __init__(self, path: Path | None):
+        super().__init__()
+        self._path = path
+        if path is not None and path.exists():
+            for line in path.read_text().splitlines():
+                (name, seed, overrides), row = json.loads(line)
+                self[name, seed, tuple(overrides)] = row
+
+    def keep(self, task: tuple, row: dict) -> None:
+        self[task] = row
+        if self._path is not None:
+            with self._path.open("a") as file:
+                file.write(json.dumps([task, row]) + "\n")
 
 
 def _placements(rows: Rows) -> Table:

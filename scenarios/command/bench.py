@@ -74,6 +74,10 @@ def grasp(
         list[str], typer.Option("--set", metavar="KEY=VALUE", help="A setting of `pick`; repeatable.")
     ] = [],  # noqa: B006 (typer copies it)
     jobs: Annotated[int, typer.Option(help="Picks at a time; one core each.", min=1)] = 1,
+    kept: Annotated[
+        Path | None,
+        typer.Option("--keep", help="File of picks: what is done is added, what is there is not done again."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
 ) -> None:
     """Picks of random placements: held, slip, tilt; with errors of the pose, without parts of the robot, with finer physics."""
@@ -85,7 +89,7 @@ def grasp(
     console = Console(stderr=True, soft_wrap=True)
     tell = console.print if not console.is_terminal else console.log
     wanted = [part.strip() for part in only.split(",") if part.strip()]
-    (print_json if as_json else print_tables)(run(trials, wanted, seed, jobs, settings, tell))
+    (print_json if as_json else print_tables)(run(trials, wanted, seed, jobs, settings, kept, tell))
 
 
 def _tables_command(name: str, parts: str):
