@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
 from vipr.diagrams.pick import PickRobot
@@ -17,7 +17,7 @@ from vipr.systems.camera.imperfections import Imperfection
 from vipr.systems.errors import InputError
 from vipr.systems.grasping.candidates import Solid, resting_pose
 from vipr.systems.grasping.grasp import best_only, load_grasps
-from vipr.systems.grasping.pick import Picker, PickSettings
+from vipr.systems.grasping.pick import ENDS, Picker, PickSettings
 from vipr.systems.hand.torque_switch import GRASPING, Drives
 from vipr.systems.recording.channels import ImageChannel, JointChannel, PoseChannel, StatusChannel, VectorChannel
 from vipr.systems.recording.history import History
@@ -132,6 +132,9 @@ class Pick(Scenario):
     @property
     def duration(self) -> float:
         return self.settings.duration_s
+
+    def over(self, robot: Diagram, context: Context) -> bool:
+        return robot.GetOutputPort("phase").Eval(context).text.startswith(ENDS)
 
     def build(self) -> Diagram:
         s = self.settings

@@ -9,6 +9,7 @@ from pydrake.systems.framework import Diagram
 from vipr.scenarios.pick import Pick, judge_pick
 from vipr.scenarios.settings import load_settings
 from vipr.systems.errors import InputError
+from vipr.systems.grasping.pick import ENDS
 from vipr.systems.timing import LEDGER
 
 TICK, OFFSET = 0.04, 0.039  # s, of what is watched
@@ -57,7 +58,7 @@ def _watch(diagram: Diagram, duration: float):
         text = ports["phase"].Eval(context).text
         if not phases or phases[-1][1] != text:
             phases.append((time, text))
-        if text.startswith(("held", "gave up")):
+        if text.startswith(ENDS):
             ended = min(ended, time + 0.2)
         if time > ended:
             break

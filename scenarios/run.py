@@ -55,7 +55,7 @@ def run_scenario(scenario: Scenario, folder: Path, *, video: bool = True) -> dic
         simulator.Initialize()
         LEDGER.reset()
         start = time.perf_counter()
-        _advance(simulator, scenario, console)
+        simulated = _advance(simulator, scenario, console)
         wall = time.perf_counter() - start
         outcome = scenario.judge(run.history())
         others = sum(LEDGER.seconds.values())
@@ -65,13 +65,14 @@ def run_scenario(scenario: Scenario, folder: Path, *, video: bool = True) -> dic
             figures=outcome.figures,
             limits=scenario.limits(),
             wall_s=wall,
-            simulated_s=scenario.duration,
+            simulated_s=simulated,
             seconds={**LEDGER.seconds, "physics": max(wall - others, 0.0)},
         )
 
 
-def _advance(simulator: Simulator, scenario: Scenario, console: Console) -> None:
-    """To the scenario's end, with a bar that tells simulated time and real-time factor."""
+def _advance(simulator: Simulator, scenario: Scenario, console: Console) -> float:
+    """To the scenario's end [s], which it returns, with a bar that tells simulated time and real-time factor."""
+    robot, root = simulator.get_system().GetSubsystemByName("robot"), simulator.get_context()
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -84,3 +85,6 @@ def _advance(simulator: Simulator, scenario: Scenario, console: Console) -> None
         for end in np.append(np.arange(0.2, scenario.duration, 0.2), scenario.duration):
             simulator.AdvanceTo(end)
             bar.update(task, completed=end, factor=end / (time.perf_counter() - start))
+            if scenario.over(robot, robot.GetMyContextFromRoot(root)):
+                break
+    return float(end)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.systems.framework import Diagram
+from pydrake.systems.framework import Context, Diagram
 
 from vipr.systems.recording.channels import Channel
 from vipr.systems.recording.history import History
@@ -42,6 +42,10 @@ class Scenario(ABC):
     @abstractmethod
     def duration(self) -> float:
         """Simulated time [s]."""
+
+    def over(self, robot: Diagram, context: Context) -> bool:
+        """Whether the run may end now, before its ``duration``; asked a few times a second."""
+        return False
 
     @abstractmethod
     def build(self) -> Diagram:

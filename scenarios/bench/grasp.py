@@ -24,8 +24,8 @@ AS_IT_IS = "as it is"
 HALF_STEP = ("time_step_s=0.0025",)
 
 ENERGIES = {  # largest kinetic energy of everything while a grasp is held
-    "energy at first mJ": "kinetic_first_j",  # third of the hold
-    "energy at last mJ": "kinetic_last_j",
+    "energy at first uJ": "kinetic_first_j",  # third of the hold
+    "energy at last uJ": "kinetic_last_j",
 }
 JUDGED = (
     "held %",
@@ -126,7 +126,7 @@ def _physics(coarse: Rows, fine: Rows) -> Table:
     columns = ("time step", "placements", "held %", "median slip mm", *ENERGIES)
     table = Table("Physics: half the time step, and energy while a grasp is held", columns)
     for name, rows in (("5 ms", coarse), ("2.5 ms", fine)):
-        energy = [1e3 * max((r[key] for r in rows if key in r), default=np.nan) for key in ENERGIES.values()]
+        energy = [1e6 * max((r[key] for r in rows if key in r), default=np.nan) for key in ENERGIES.values()]
         table.rows.append((name, len(rows), _percent(rows), _numbers(rows, "slip_mm", np.median), *energy))
     return table
 

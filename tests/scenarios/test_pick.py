@@ -14,7 +14,7 @@ from vipr.systems.grasping.candidates import Solid, resting_pose
 from vipr.systems.grasping.grasp import load_grasps
 from vipr.systems.tracking.cad_model import load_model
 
-SHORT = ["film=false", "pick.hold_s=0.3", "duration_s=11", "lie=standing"]
+SHORT = ["film=false", "pick.hold_s=0.3", "lie=standing"]
 
 
 def test_a_rice_box_is_picked_up_and_held(tmp_path):

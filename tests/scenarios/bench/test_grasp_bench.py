@@ -1,0 +1,48 @@
+"""``vipr bench grasp``: its tables, from picks that are already there."""
+
+import json
+
+import pytest
+
+from vipr.models import object_names
+from vipr.scenarios.bench.grasp import CHOICES, ERRORS, HALF_STEP, run
+from vipr.systems.errors import InputError
+
+
+def row(name, seed, held=True):
+    figures = {"slip_mm": 0.5, "slip_after_lift_mm": 0.1, "object_tilt_deg": 0.2, "attempts": 1}
+    return {
+        "object": name,
+        "seed": seed,
+        "success": held,
+        "reason": "held",
+        "knocked_over": 0.0,
+        "unnoticed": 0.0,
+        **figures,
+    }
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """Every pick of six placements and of one with each change; the fourth dropped."""
+    changes = [(), HALF_STEP, *CHOICES.values(), *((f"pose_error_mm={e}", f"pose_error_deg={e}") for e in ERRORS)]
+    path = tmp_path / "picks.jsonl"
+    with path.open("w") as file:
+        for overrides in changes:
+            for i, name in enumerate(object_names()):
+                file.write(json.dumps([[name, 5 + i, list(overrides)], row(name, 5 + i, held=i != 3)]) + "\n")
+    return path
+
+
+def test_what_was_done_before_is_not_done_again_and_all_tables_come_out(kept):
+    before = kept.read_text()
+    tables = list(run(6, [], 5, 1, [], kept, lambda text: None))
+    assert [len(t.rows) for t in tables] == [7, 6, 5, 2]
+    last = tables[0].rows[-1]
+    assert last[:3] == ("all", 6, pytest.approx(500 / 6))
+    assert kept.read_text() == before
+
+
+def test_an_unknown_part_is_refused():
+    with pytest.raises(InputError, match="unknown part 'luck', allowed are placements, errors, choices, physics"):
+        list(run(6, ["luck"], 0, 1, [], None, lambda text: None))
