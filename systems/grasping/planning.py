@@ -50,7 +50,10 @@ class Errand:
 
     lift: float = 0.15  # m, up
     carry: float = 0.30  # m, sideways
-    ways: tuple[float, ...] = (90.0, -90.0)  # deg from x of W: which way, the first that goes
+    ways: tuple[float, ...] = (
+        90.0,
+        -90.0,
+    )  # deg from x of W: which way; the one that ends nearer the arm's middle comes first
     speed: float = 0.3  # m/s
     approach_speed: float = 0.2  # m/s
 
@@ -170,8 +173,10 @@ def _line(X_WA: np.ndarray, X_WB: np.ndarray, q: np.ndarray, arm: SerialArm) -> 
 
 def _carry(X_WL: np.ndarray, q: np.ndarray, arm: SerialArm, errand: Errand) -> np.ndarray | None:
     """The way sideways, in the first of the errand's directions that can be gone."""
-    for way in np.radians(errand.ways):
-        points = _line(X_WL, _shifted(X_WL, errand.carry * np.array([np.cos(way), np.sin(way), 0.0])), q, arm)
+    angles = np.radians(errand.ways)
+    ends = [_shifted(X_WL, errand.carry * np.array([np.cos(angle), np.sin(angle), 0.0])) for angle in angles]
+    for X_WN in sorted(ends, key=lambda X: abs(X[1, 3])):
+        points = _line(X_WL, X_WN, q, arm)
         if points is not None:
             return points
     return None
