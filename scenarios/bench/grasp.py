@@ -13,7 +13,7 @@ from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.scenarios.pick_trial import pick_trial
 
 PARTS = ("placements", "errors", "choices", "physics")
-ERRORS = (2.0, 4.0, 6.0, 8.0, 10.0)  # mm and degrees
+ERRORS = (3.0, 6.0, 10.0)  # mm and degrees
 CHOICES = {
     "no TorqueSwitch": ("hand.break_away_torque=.inf",),
     "the best grasp only, once": ("one_grasp=true", "pick.attempts=1"),
