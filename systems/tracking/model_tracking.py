@@ -18,7 +18,7 @@ from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle, surprise
-from vipr.systems.tracking.overrule import doubt, overrule
+from vipr.systems.tracking.overrule import doubt, overrule, preferred
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.texture import correlation_at
@@ -51,7 +51,7 @@ class TrackerSettings:
     second_try: bool = True  # other starts and longer searches when the evidence is thin
     start_search: bool = True  # look around a pose that was given, which may be tens of pixels off
     initial_px: float = 1.0  # px, how well a given pose places the model's corners if it is good
-    model_error: float = 0.1  # px, least error of an edge of the model, common to its nodes
+    model_error: float = 0.05  # px, least error of an edge of the model, common to its nodes
     spin_noise: float = 30.0  # rad/s^2, RMS angular acceleration expected
     speed_noise: float = 4.0  # m/s^2, RMS acceleration expected
 
@@ -184,7 +184,7 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     sight.expect(ahead)
     for X, way in [(ahead.X_CO, {"keyframe": None, "near": True}), *((X, way) for X in starts for way in ways)]:
         other = attempt(sight, X, depth=3, **way)
-        if other.evidence.score > best.evidence.score:
+        if preferred(other, best):
             best = other
         if best.evidence.score > 0.8:
             break

@@ -14,6 +14,7 @@ from vipr.systems.tracking.sight import Attempt, Sight
 CLOSE_PX = 0.3  # residual of edges that fit closely
 WELL_PX, WELL_SHARE = 0.5, 0.7  # residual and share of edges of a pose that is not questioned
 OVERRULE_PX = (4.0, 8.0)  # RMS of the corners: how far from a doubtful pose others are tried
+CERTAIN = 10.0  # significance of a texture that is hardly mistaken
 CLOSER, BETTER = 0.1, 0.15  # of a fit's quality: edges that fit so much better, closely or not, overrule a texture
 
 
@@ -58,8 +59,27 @@ def _if_better(other, best):
     """
     gain = other.evidence.quality - best.evidence.quality
     close, many = other.evidence.sigma < CLOSE_PX, other.evidence.edges > WELL_SHARE
-    if not ((close and gain > CLOSER) or (many and gain > BETTER and best.led_by.fit_px > WELL_PX)):
+    few_agree = best.evidence.texture < CERTAIN
+    unsure = best.led_by.fit_px > WELL_PX
+    if not ((close and gain > CLOSER) or (many and (unsure or few_agree) and gain > BETTER)):
         return None
     wrong = best.led_by if many else None
     evidence = replace(other.evidence, texture=0.0, patches=0) if many else other.evidence
     return replace(other, evidence=evidence, against=wrong)
+
+
+def preferred(other: Attempt, best: Attempt) -> bool:
+    """Whether another attempt at the same image is to be believed rather: by its score, but texture does not count against edges that fit
+    much better, the less the fewer patches agree.
+    """
+    gain = other.evidence.quality - best.evidence.quality
+    if other.led_by is not None and best.led_by is None and -gain > _needed(other):
+        return False
+    if best.led_by is not None and other.led_by is None and gain > _needed(best):
+        return True
+    return other.evidence.score > best.evidence.score
+
+
+def _needed(led):
+    """By how much edges must fit better than those of an attempt that texture led."""
+    return BETTER if led.evidence.texture < CERTAIN else 2.0 * BETTER

@@ -65,7 +65,7 @@ def run(bench: Workbench) -> Iterator[Table]:
         "RMS length of the error across the line of sight; a can's rotation is that of its axis. Lost runs (wrong by "
         "20 px or 15 degrees) are left out.",
     )
-    count, length = (2, 15) if bench.quick else (3, 20)
+    count, length = (2, 15) if bench.quick else (2, 20)
     for name in OBJECTS:
         errors, angles, bounds, sigmas, used, lost = [], [], [], [], [], 0
         for k in range(count):

@@ -19,11 +19,12 @@ from vipr.systems.signals import CameraFrame
 from vipr.systems.tracking.cad_model import CadModel, load_model
 from vipr.systems.tracking.evaluation import FOLLOWED_DEG, FOLLOWED_PX, corner_distances
 from vipr.systems.tracking.model_tracking import Belief, TrackerSettings, start, step
+from vipr.systems.tracking.triangulation import cylinder_triangles
 
 XC77 = Lens(640, 480, 1948.05, 1923.08, 319.5, 239.5)
 BOXES = ("rice_box", "milk_carton")
-UNPRINTED = " (unprinted)"  # the same carton in one colour: no print beside its edges
-OBJECTS = (*BOXES, "can", *(name + UNPRINTED for name in BOXES))
+UNPRINTED = " (unprinted)"  # the same object in one colour: no print beside its edges; a can truly round
+OBJECTS = (*BOXES, *(name + UNPRINTED for name in (*BOXES, "can")))
 RATE = 25.0  # images/s
 UPRIGHT = (
     se3.exp_so3(np.array([0.3, 0, 0])) @ se3.exp_so3(np.array([0, 0.6, 0])) @ se3.exp_so3(np.array([np.pi / 2, 0, 0]))
@@ -121,7 +122,10 @@ class Workbench:
                 objects[name] = _folder() / name / "visual.obj"
                 if name.endswith(UNPRINTED):
                     model = self.model(name)
-                    mesh = Mesh([model.vertices[t] for t in model.triangles])
+                    round_parts = [cylinder_triangles(c[:3], c[3:6], c[6], sides=256) for c in model.cylinders]
+                    mesh = Mesh(
+                        [*(model.vertices[t] for t in model.triangles), *(t for part in round_parts for t in part)]
+                    )
                     objects[name] = mesh.write(Path(folder) / f"{model.name}.obj", colour=(0.9, 0.9, 0.9))
             return SequenceRenderer(objects, lens, background=background, seed=self.seed + 11)
 
