@@ -65,7 +65,7 @@ def run(bench: Workbench) -> Iterator[Table]:
         "RMS length of the error across the line of sight; a can's rotation is that of its axis. Lost runs (wrong by "
         "20 px or 15 degrees) are left out.",
     )
-    count, length = (2, 15) if bench.quick else (2, 20)
+    count, length = (2, 15) if bench.quick else (2, 30)
     for name in OBJECTS:
         errors, angles, bounds, sigmas, used, lost = [], [], [], [], [], 0
         for k in range(count):
@@ -79,7 +79,7 @@ def run(bench: Workbench) -> Iterator[Table]:
             )
             background = "clutter" if k % 2 else "plain"
             frames = bench.render(
-                name, moving, length, Conditions(noise=NOISE, samples=6), background=background, seed=k
+                name, moving, length, Conditions(noise=NOISE, samples=12), background=background, seed=k
             )
             result = bench.track(name, frames)
             if not result.survived:

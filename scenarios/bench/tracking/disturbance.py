@@ -26,7 +26,7 @@ KINDS = {
 
 
 def run(bench: Workbench) -> Iterator[Table]:
-    seeds, length = (range(1), 30) if bench.quick else (range(1), 50)
+    seeds, length = (range(1), 30) if bench.quick else (range(1), 100)
     table = Table(
         f"Disturbances: hand-held motion of up to {SPEED:g} px a frame at 2 m, noise 2 grey levels",
         (
@@ -56,7 +56,7 @@ def run(bench: Workbench) -> Iterator[Table]:
                     duration=length / RATE,
                     centre_O=bench.model(name).centre,
                 )
-                conditions = Conditions(samples=3, **options)
+                conditions = Conditions(samples=4, **options)
                 frames = bench.render(name, moving, length, conditions, background=background, seed=50 + seed)
                 runs.append(bench.track(name, frames))
                 if options == {"hand": "half"}:

@@ -14,7 +14,7 @@ from vipr.systems.signals import CameraFrame
 from vipr.systems.tracking.model_tracking import TrackerSettings, start, step
 
 KINDS = ("teleported", "hidden", "dark", "swapped")
-BEFORE, AFTER = 6, 6  # frames
+BEFORE, AFTER = 10, 6  # frames
 NOTICED = 2  # frames within which a loss should be noticed
 
 
@@ -37,7 +37,7 @@ def forced_loss(bench: Workbench, kind: str, seed: int):
         duration=1.0,
         centre_O=centre,
     )
-    conditions = Conditions(exposure=0.01, samples=2)
+    conditions = Conditions(exposure=0.01, samples=4)
     frames = bench.render(name, before, BEFORE, conditions, seed=seed)
     after = before
     if kind == "teleported":
@@ -66,7 +66,7 @@ def forced_loss(bench: Workbench, kind: str, seed: int):
 
 
 def run(bench: Workbench) -> Iterator[Table]:
-    count = 3 if bench.quick else 15
+    count = 3 if bench.quick else 12
     table = Table(
         f"Forced losses: frames until the tracker no longer says `tracking`, {count} of each",
         (

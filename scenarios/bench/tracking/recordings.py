@@ -17,6 +17,7 @@ from vipr.systems.tracking.cad_model import load_model
 from vipr.systems.tracking.evaluation import FOLLOWED_DEG, FOLLOWED_PX, compare, corner_distances, read_pose, read_poses
 from vipr.systems.tracking.model_tracking import TrackerSettings, start, step
 
+REPEATS = 3
 OTHERS = {"visp_edge": "ViSP 3.5 edges", "visp_edge_klt": "ViSP 3.5 edges + KLT", "opencv_rapid": "OpenCV RAPID"}
 
 
@@ -26,13 +27,15 @@ def run(bench: Workbench) -> Iterator[Table]:
         "Recordings: median / 90 % / max against the reference poses",
         ("sequence", "tracker", "mm", "deg", "corner px", "followed", "wrong but `tracking`", "ms median"),
         note="followed: frames with corners within 20 px RMS and 15 degrees. agrees: followed to the last frame, and median and 90 % of "
-        "the corner distance no larger than ViSP edges'.",
+        f"the corner distance no larger than ViSP edges'. ms: ours the best of {REPEATS} runs, theirs as recorded.",
     )
     for folder in folders:
         bench.progress(f"recordings: {folder.name}")
         model, lens = load_model(folder / "object.obj"), load_lens(folder / "camera.yaml")
         reference = read_poses(folder / "reference.csv")
-        poses, states, ms = track(folder, model, lens)
+        runs = [track(folder, model, lens) for _ in range(1 if bench.quick else REPEATS)]
+        poses, states, _ = runs[0]
+        ms = min((run[2] for run in runs), key=np.median)
         own = compare(model, lens, poses, reference, states)
         rows, visp = [], None
         for file, name in OTHERS.items():
