@@ -27,7 +27,7 @@ def run(bench: Workbench) -> Iterator[Table]:
         "Recordings: median / 90 % / max against the reference poses",
         ("sequence", "tracker", "mm", "deg", "corner px", "followed", "wrong but `tracking`", "ms median"),
         note="followed: frames with corners within 20 px RMS and 15 degrees. agrees: followed to the last frame, and median and 90 % of "
-        f"the corner distance no larger than ViSP edges'. ms: ours the best of {REPEATS} runs, theirs as recorded.",
+        f"the corner distance no larger than ViSP edges'. ms: ours of processor time, the best of {REPEATS} runs; theirs as recorded.",
     )
     for folder in folders:
         bench.progress(f"recordings: {folder.name}")
@@ -84,7 +84,7 @@ def sequences(data: Path | None) -> list[Path]:
 
 
 def track(folder: Path, model, lens):
-    """Poses, states and milliseconds of the tracker on one sequence."""
+    """Poses, states and milliseconds of processor time of the tracker on one sequence."""
     belief = start(read_pose(folder / "initial-pose.yaml"))
     settings = TrackerSettings()
     poses, states, ms = {}, {}, []
@@ -92,9 +92,9 @@ def track(folder: Path, model, lens):
         if isinstance(image, InputError):
             raise image
         image = lens.undistort(image)
-        begin = time.perf_counter()
+        begin = time.process_time()
         belief = step(belief, image, k / RATE, model, lens, settings, number=k)
-        ms.append(1e3 * (time.perf_counter() - begin))
+        ms.append(1e3 * (time.process_time() - begin))
         poses[k], states[k] = belief.X_CO, belief.state
     return poses, states, ms
 
