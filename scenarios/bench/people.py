@@ -55,7 +55,7 @@ def run(
     if "rooms" in chosen:
         yield from rooms_tables(10 if quick else 100, seed, progress)
     if "light" in chosen:
-        yield light_table(3 if quick else 10, seed, progress)
+        yield light_table(2 if quick else 5, seed, progress)
     if data is None and {"clips", "pixels"} & set(only or ()):
         raise InputError("bench people: clips and pixels need --data FOLDER with video/, skin/ and images/")
     if "clips" in chosen and data is not None:
