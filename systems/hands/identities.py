@@ -10,11 +10,16 @@ MIND_SIDES = 0.6  # s on the wrong sides, beyond those on the right ones, after 
 YOUNG = 25  # frames for which a hand has been followed, up to which only its side says which it is
 
 
-def settle_face(tracks: dict, free: list[Candidate], labels, rival: float, dt: float, u: float) -> tuple[dict, float]:
-    """The face where something else has looked more like one for a while: exchanged with a hand, or moved to a region that is nobody's."""
+def settle_face(
+    tracks: dict, free: list[Candidate], labels, rival: float, dt: float, u: float
+) -> tuple[dict, float, bool]:
+    """The face where something else has looked more like one for a while: exchanged with a hand, or moved to a region that is nobody's.
+
+    Also for how long [s] something has, and whether it is another face now.
+    """
     face = tracks.get("face")
     if face is not None and face.shared:
-        return tracks, max(0.0, rival - dt)
+        return tracks, max(0.0, rival - dt), False
     looks = {n: t.headlike for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared}
     smallest = 0.0 if face is None else 0.5 * face.head_radius
     looks |= {k: r.headlike for k, r in enumerate(free) if r.person > 0.25 and not r.remnant and r.core[2] > smallest}
@@ -23,7 +28,7 @@ def settle_face(tracks: dict, free: list[Candidate], labels, rival: float, dt: f
     step = min(dt, 0.06)
     rival = rival + step if best is not None and looks[best] > enough else max(0.0, rival - 2 * step)
     if rival < 0.3:
-        return tracks, rival
+        return tracks, rival, False
     tracks = dict(tracks)
     if best in tracks:
         promoted = tracks.pop(best)
@@ -33,7 +38,7 @@ def settle_face(tracks: dict, free: list[Candidate], labels, rival: float, dt: f
         r = free[best]
         tracks = {n: t for n, t in tracks.items() if labels[int(t.filter.y + 0.5), int(t.filter.x + 0.5)] != r.row + 1}
         promoted = born("face", *head_of(r, labels, None, None), r, u)
-    return {**tracks, "face": promoted}, 0.0
+    return {**tracks, "face": promoted}, 0.0, True
 
 
 def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict, float]:

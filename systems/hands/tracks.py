@@ -21,6 +21,7 @@ from vipr.systems.hands.kalman import Kalman
 from vipr.systems.hands.measurement import measure
 from vipr.systems.hands.parts import PARTS, SIGMA_W, Track
 from vipr.systems.signals import HandTracks, SkinRegions
+from vipr.systems.skin.working_image import unit
 
 CONFIRM = 2  # frames after which a new track is reported
 
@@ -49,17 +50,9 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
         return belief
     if regions.cut:
         belief = TracksBelief()
-    u = float(np.sqrt(shape[0] * shape[1] / 19200.0))
+    u = unit(shape)
     dt = float(np.clip(regions.time - belief.output.time, 1e-3, 0.5)) if belief.output.number >= 0 else 0.04
-    tracks = {
-        name: replace(
-            t,
-            filter=_within(
-                kalman.predict(t.filter, dt, SIGMA_W[name] * (0.4 if t.shared else 1.0) * u, _damping(t, dt)), shape
-            ),
-        )
-        for name, t in belief.parts
-    }
+    tracks = {name: _predict(name, t, dt, u, shape) for name, t in belief.parts}
     found = candidates(regions, tracks)
     face = tracks.get("face")
     if face is not None:  # nor is a speck a hand
@@ -73,10 +66,15 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     )
     tracks = give_birth(tracks, free, labels, regions.motion, belief.faceless, u)
     faceless = 0.0 if "face" in tracks and tracks["face"].unseen == 0 else belief.faceless + min(dt, 0.06)
-    tracks, rival = settle_face(tracks, free, labels, belief.rival, dt, u)
-    moved = rival == 0.0 and belief.rival > 0.2  # about another face, hands have other sides
-    tracks, order = settle_sides(tracks, 0.0 if moved else belief.order, dt, u)
+    tracks, rival, another = settle_face(tracks, free, labels, belief.rival, dt, u)
+    tracks, order = settle_sides(tracks, 0.0 if another else belief.order, dt, u)  # sides are about the face
     return TracksBelief(tuple(tracks.items()), rival, order, faceless, _report(tracks, regions))
+
+
+def _predict(name: str, t: Track, dt: float, u: float, shape) -> Track:
+    """The track ``dt`` s later; merged parts keep their motion, which is what tells them apart when they part."""
+    sigma = SIGMA_W[name] * (0.4 if t.shared else 1.0) * u
+    return replace(t, filter=_within(kalman.predict(t.filter, dt, sigma, _damping(t, dt)), shape))
 
 
 def _damping(t: Track, dt: float) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from vipr.systems.compiled import compiled
 from vipr.systems.skin.face_marks import face_marks
 from vipr.systems.skin.scene import Scene
+from vipr.systems.skin.working_image import unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +34,7 @@ def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, luma: np.n
     alive, known, moving = (sums[:, 4:] / np.maximum(sums[:, :1], 1.0)).T
     cores = find_cores(labels, boxes)
     faceness = np.zeros(n)
-    sharp = np.clip(
-        (cores[:, 2] / np.sqrt(labels.size / 19200.0) - 1.5) / 2.5, 0.0, 1.0
-    )  # few pixels look like anything
+    sharp = np.clip((cores[:, 2] / unit(labels.shape) - 1.5) / 2.5, 0.0, 1.0)  # few pixels look like anything
     likely = np.flatnonzero((known < 0.8) & (sharp > 0.0))[:4]  # regions come by falling area
     if len(likely):
         faceness[likely] = sharp[likely] * np.clip(face_marks(luma, cores[likely]), 0.0, 1.0)
