@@ -86,9 +86,7 @@ def time_table(frames: int, progress) -> Table:
         watch.spent["retrieval"] = _retrieval(images)
         watch.spent["Kalman"] = [_kalman_time() for _ in range(50)]
         for row in ROWS:
-            # learning is done ten times a second: its share of a frame is the mean, not the median
-            pick = np.mean if row == "learning" else np.median
-            cells[row].append(1e3 * float(pick(watch.spent.get(row, [0.0]))))
+            cells[row].append(1e3 * _usual(watch.spent.get(row, [0.0])))
         cells["total"].append(sum(cells[row][-1] for row in ROWS if row != "Kalman"))
     rows = [(row, PAPER_MS.get(row, 9.4 if row == "total" else float("nan")), *cells[row]) for row in (*ROWS, "total")]
     note = (
@@ -97,6 +95,12 @@ def time_table(frames: int, progress) -> Table:
         + ("" if find_spec("mediapipe") else "MediaPipe is not installed: no comparison.")
     )
     return Table("Table I: time of each stage", columns, rows, note)
+
+
+def _usual(spent: list[float]) -> float:
+    """Median of the times that were spent, times the share of frames in which any was (learning is done ten times a second)."""
+    busy = [t for t in spent if t > 0]
+    return float(np.median(busy)) * len(busy) / len(spent) if busy else 0.0
 
 
 class _Stopwatch:
