@@ -92,7 +92,7 @@ def test_the_light_changes_the_picture_and_not_the_truth(studio):
 
 def test_a_film_is_a_function_of_its_arguments():
     paths = [HandPaths(right=plane_path(np.column_stack([np.linspace(-0.3, 0.3, 5), np.zeros(5)])))]
-    a, b, c = (next(iter(film_gestures(paths, seed=seed, place=PLACE, lead_in=2, images=True))) for seed in (3, 3, 4))
+    a, b, c = (next(iter(film_gestures(paths, seed=seed, place=PLACE, images=True))) for seed in (3, 3, 4))
     assert np.array_equal(a.images, b.images) and not np.array_equal(a.images, c.images)
     assert np.array_equal(a.tracks.positions, b.tracks.positions, equal_nan=True)
     assert a.truth.seen[:, 2].all() and np.ptp(a.truth.positions[:, 2, 0]) > 3
