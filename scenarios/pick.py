@@ -17,7 +17,8 @@ from vipr.systems.camera.imperfections import Imperfection
 from vipr.systems.errors import InputError
 from vipr.systems.grasping.candidates import Solid, resting_pose
 from vipr.systems.grasping.grasp import best_only, load_grasps
-from vipr.systems.grasping.pick import ENDS, Picker, PickSettings
+from vipr.systems.grasping.pick import Picker
+from vipr.systems.grasping.pick_state import ENDS, PickSettings
 from vipr.systems.hand.torque_switch import GRASPING, Drives
 from vipr.systems.recording.channels import ImageChannel, JointChannel, PoseChannel, StatusChannel, VectorChannel
 from vipr.systems.recording.history import History

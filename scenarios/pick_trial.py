@@ -9,7 +9,7 @@ from pydrake.systems.framework import Diagram
 from vipr.scenarios.pick import Pick, judge_pick
 from vipr.scenarios.settings import load_settings
 from vipr.systems.errors import InputError
-from vipr.systems.grasping.pick import ENDS
+from vipr.systems.grasping.pick_state import ENDS
 from vipr.systems.timing import LEDGER
 
 TICK, OFFSET = 0.04, 0.039  # s, of what is watched

@@ -5,7 +5,8 @@ import numpy as np
 from vipr.diagrams.workcell import JOINT_LIMITS, fixed_camera, puma_with_hand
 from vipr.systems import se3
 from vipr.systems.grasping.grasp import Grasp, GraspTable
-from vipr.systems.grasping.pick import Picker, PickSettings
+from vipr.systems.grasping.pick import Picker
+from vipr.systems.grasping.pick_state import PickSettings
 from vipr.systems.grasping.planning import Surroundings
 from vipr.systems.signals import ObjectPose
 

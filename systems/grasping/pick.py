@@ -2,7 +2,7 @@
 
 Nothing here knows where the object truly is: it is seen by the tracker, and felt by motor positions and torques of the hand. A grasp that
 fails is undone, the object is looked for again, and the next grasp is tried; after the last the hand opens and the arm stands still.
-Frames: W world = the arm's base, C camera, O object, E hand. Phases are in ``PHASES``; source: paper III-E.
+Frames: W world = the arm's base, C camera, O object, E hand. Source: paper III-E.
 """
 
 from dataclasses import dataclass, field, replace
@@ -10,106 +10,26 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vipr.systems import se3
-from vipr.systems.arm.joint_path import JointPath
 from vipr.systems.errors import InputError
 from vipr.systems.grasping.grasp import GraspTable
 from vipr.systems.grasping.options import way_up
-from vipr.systems.grasping.planning import Errand, Plan, Surroundings, free_path, plan_grasp
+from vipr.systems.grasping.pick_state import (
+    CARRYING,
+    WATCHING,
+    PickSettings,
+    PickState,
+    Senses,
+    end,
+    go,
+    hint,
+    look_for,
+    seen,
+    stay,
+    watch,
+)
+from vipr.systems.grasping.planning import Surroundings, free_path, plan_grasp
 from vipr.systems.grasping.support import settled, settled_doubt
 from vipr.systems.hand import transmission
-from vipr.systems.signals import ObjectPose, Signal
-
-PHASES = (
-    "look",
-    "reach",
-    "approach",
-    "close",
-    "verify",
-    "lift",
-    "check",
-    "carry",
-    "hold",
-    "confirm",
-    "release",
-    "retreat",
-)
-ENDS = ("held", "gave up")
-WATCHING = ("look", "check", "confirm")  # phases in which the camera is needed
-CARRYING = ("lift", "check", "carry", "hold", "confirm")  # the object should be in the hand
-
-
-@dataclass(frozen=True)
-class PickSettings:
-    """How a pick is done and judged by the robot itself."""
-
-    errand: Errand = Errand()
-    hold_s: float = 5.0
-    attempts: int = 3
-    close_rate: float = 0.8  # rad/s of the fingers' command
-    frames: int = 6  # sightings that a pose is made of
-    still_mm: float = 2.0  # they differ by at most
-    sure_mm: float = 3.0  # standard deviation of the place that a grasp is planned from, by the tracker
-    settle: bool = True  # the object is known to stand on its support: place and tilt follow from that
-    look_s: float = 1.5  # time for them
-    settle_s: float = 0.2  # after a motion
-    lost_s: float = 0.12  # so long without torque at a finger means that nothing is held
-    lost_torque: float = 0.25  # of the torque after closing
-    least_torque: float = 0.4  # of its limit, at a finger that holds something
-    closed_within_deg: float = 16.0  # of the taught finger angles
-    slip_mm: float = 12.0  # seen in the hand, half hidden by the fingers: reported
-    drop_mm: float = 40.0  # seen: it is not in the hand any more
-    gain: float = 4.0  # 1/s, of the loop around the joint paths
-
-    def __post_init__(self):
-        for name, value in vars(self).items():
-            if name not in ("errand", "settle") and not value > 0:
-                raise InputError(f"pick: {name} must be positive, got {value}")
-
-
-@dataclass(frozen=True, eq=False)
-class Senses:
-    """What the robot knows at a tick."""
-
-    time: float
-    q: np.ndarray  # (6,) rad, encoders
-    motors: np.ndarray  # (4,) rad, of the hand
-    torque: np.ndarray  # (4,) N m, of its motors
-    seen: ObjectPose
-
-
-@dataclass(frozen=True, eq=False)
-class PickState(Signal):
-    """What the state machine holds between its ticks."""
-
-    phase: str = "look"
-    since: float = 0.0  # s, when the phase began
-    attempt: int = 0
-    tried: tuple[str, ...] = ()  # names of grasps
-    plan: Plan | None = None
-    path: JointPath | None = None  # walked since ``since``
-    q_home: np.ndarray = field(
-        default_factory=lambda: np.zeros(0)
-    )  # (6,) rad, where the arm was at first: out of the camera's way
-    q_hold: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (6,) where the arm stands while it walks no path
-    command: np.ndarray = field(default_factory=lambda: np.zeros(4))  # rad, to the hand
-    limit: np.ndarray = field(default_factory=lambda: np.full(4, 1.8))  # N m
-    motors: np.ndarray = field(default_factory=lambda: np.zeros(4))  # rad, when a finger last moved
-    moved: float = 0.0  # s, when that was
-    grip: np.ndarray = field(default_factory=lambda: np.zeros(3))  # N m, after closing
-    slack: float = float("nan")  # s, since when the fingers bear nothing
-    sightings: tuple[np.ndarray, ...] = ()  # X_CO
-    covariance: np.ndarray = field(default_factory=lambda: np.eye(3))  # (3, 3) of the last one's position in C
-    number: int = -1  # of the last frame among them
-    initial: ObjectPose = ObjectPose()  # where the tracker shall look
-    X_WO: np.ndarray = field(default_factory=lambda: np.eye(4))  # last seen before it was grasped
-    X_EO: np.ndarray = field(default_factory=lambda: np.eye(4))  # believed, in the hand
-    slip: float = float("nan")  # m, seen in the hand between lifting and the end
-    text: str = "look"
-    level: str = "info"
-
-    @property
-    def ended(self) -> bool:
-        return self.phase in ENDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +46,7 @@ class Picker:
 
     def start(self, X_CO: np.ndarray) -> PickState:
         """Before the first tick, with a rough idea of where the object is."""
-        return PickState(initial=_hint(X_CO, 0.0))
+        return PickState(initial=hint(X_CO, 0.0))
 
     def step(self, state: PickState, senses: Senses) -> PickState:
         """The state after a tick."""
@@ -137,7 +57,7 @@ class Picker:
         if state.phase in CARRYING:
             state = self._feel(state, senses)
         if state.phase in WATCHING:
-            state = _watch(state, senses)
+            state = watch(state, senses)
         return getattr(self, f"_{state.phase}")(state, senses)
 
     def rates(self, state: PickState, senses: Senses) -> np.ndarray:
@@ -150,36 +70,36 @@ class Picker:
     # One method a phase: the state that follows.
 
     def _look(self, state, senses):
-        X_CO = _seen(state, self.settings)
+        X_CO = seen(state, self.settings)
         X_WO, doubt = (None, np.inf) if X_CO is None else self._placed(X_CO, state.covariance)
         if not doubt <= 1e-3 * self.settings.sure_mm:
             if senses.time - state.since <= self.settings.look_s:
                 return state
             known = "" if X_CO is None else f" well enough: its place is known to {1e3 * doubt:.0f} mm"
-            return _end(state, senses, "gave up", f"the object is not seen{known}")
+            return end(state, senses, "gave up", f"the object is not seen{known}")
         X_WO = self._spoilt(X_WO)
         try:
             plan = plan_grasp(
                 self.table, X_WO, senses.q, self.around, self.settings.errand, senses.motors, tried=state.tried
             )
         except InputError as error:
-            return _end(state, senses, "gave up", str(error))
+            return end(state, senses, "gave up", str(error))
         tried = (*state.tried, plan.grasp.name)
         state = replace(state, plan=plan, X_WO=X_WO, tried=tried, attempt=state.attempt + 1, slack=float("nan"))
         command = np.append(plan.grasp.preshape, plan.grasp.spread)
         text = f"reach for {plan.grasp.name}"
-        return _go(replace(state, command=command, limit=np.full(4, 1.8)), senses, "reach", plan.reach, text)
+        return go(replace(state, command=command, limit=np.full(4, 1.8)), senses, "reach", plan.reach, text)
 
     def _reach(self, state, senses):
         if not self._arrived(state, senses):
             return state
-        return _go(state, senses, "approach", state.plan.approach)
+        return go(state, senses, "approach", state.plan.approach)
 
     def _approach(self, state, senses):
         if not self._arrived(state, senses):
             return state
         limit = np.append(state.plan.grasp.torque, 2.0)
-        return replace(_stay(state, senses, "close"), limit=limit, motors=senses.motors, moved=senses.time)
+        return replace(stay(state, senses, "close"), limit=limit, motors=senses.motors, moved=senses.time)
 
     def _close(self, state, senses):
         grasp, since = state.plan.grasp, senses.time - state.since
@@ -189,7 +109,7 @@ class Picker:
             state = replace(state, motors=senses.motors, moved=senses.time)
         if since > 0.3 and senses.time - state.moved > 0.1:
             state = replace(state, command=np.append(senses.motors[:3], grasp.spread))
-            return _stay(state, senses, "verify")
+            return stay(state, senses, "verify")
         return state
 
     def _verify(self, state, senses):
@@ -200,7 +120,7 @@ class Picker:
             return self._let_go(state, senses, f"nothing well held: {wrong}")
         X_EO = se3.inverse(self.around.arm.tool_pose(senses.q)) @ state.X_WO
         state = replace(state, grip=np.maximum(senses.torque[:3], 0.0), X_EO=X_EO)
-        return _go(state, senses, "lift", state.plan.lift)
+        return go(state, senses, "lift", state.plan.lift)
 
     def doubt(self, taught: np.ndarray, closed: np.ndarray, torque: np.ndarray, limit: np.ndarray) -> str:
         """What speaks against the object being held, by finger angles (3,) [rad] and motor torques (3,) [N m]; empty if nothing does."""
@@ -215,63 +135,63 @@ class Picker:
     def _lift(self, state, senses):
         if not self._arrived(state, senses):
             return state
-        return _look_for(_stay(state, senses, "check"), senses, self._expected(state, senses))
+        return look_for(stay(state, senses, "check"), senses, self._expected(state, senses))
 
     def _check(self, state, senses):
-        X_CO = _seen(state, self.settings)
+        X_CO = seen(state, self.settings)
         if X_CO is None:
             if senses.time - state.since <= self.settings.look_s:
                 return state
-            return _go(state, senses, "carry", state.plan.carry, "carry, by feel: the object is not seen", "warning")
+            return go(state, senses, "carry", state.plan.carry, "carry, by feel: the object is not seen", "warning")
         if self._shift(state, senses, X_CO) > 1e-3 * self.settings.drop_mm:
             return self._let_go(state, senses, "it is seen not to be in the hand")
         X_EO = se3.inverse(self.around.arm.tool_pose(senses.q)) @ self.X_WC @ X_CO
-        return _go(replace(state, X_EO=X_EO), senses, "carry", state.plan.carry)
+        return go(replace(state, X_EO=X_EO), senses, "carry", state.plan.carry)
 
     def _carry(self, state, senses):
-        return _stay(state, senses, "hold") if self._arrived(state, senses) else state
+        return stay(state, senses, "hold") if self._arrived(state, senses) else state
 
     def _hold(self, state, senses):
         if senses.time - state.since < self.settings.hold_s:
             return state
-        return _look_for(_stay(state, senses, "confirm"), senses, self._expected(state, senses))
+        return look_for(stay(state, senses, "confirm"), senses, self._expected(state, senses))
 
     def _confirm(self, state, senses):
-        X_CO = _seen(state, self.settings)
+        X_CO = seen(state, self.settings)
         if X_CO is None:
             if senses.time - state.since <= self.settings.look_s:
                 return state
-            return _end(state, senses, "held", "held, by feel: the object is not seen", "warning")
+            return end(state, senses, "held", "held, by feel: the object is not seen", "warning")
         slip = self._shift(state, senses, X_CO)
         state = replace(state, slip=slip)
         if slip > 1e-3 * self.settings.drop_mm:
             return self._let_go(state, senses, "it is seen not to be in the hand")
         slipped = slip > 1e-3 * self.settings.slip_mm
         text = f"held, but slipped by {1e3 * slip:.0f} mm" if slipped else "held"
-        return _end(state, senses, "held", text, "warning" if slipped else "info")
+        return end(state, senses, "held", text, "warning" if slipped else "info")
 
     def _release(self, state, senses):
         if senses.time - state.since < 0.8:
             return state
-        return _go(state, senses, "retreat", state.plan.approach.reversed() if _is_low(state) else None)
+        return go(state, senses, "retreat", state.plan.approach.reversed() if state.low else None)
 
     def _retreat(self, state, senses):
         if state.path is not None and not self._arrived(state, senses):
             return state
         if state.path is not None:  # at the reference point: the way it came
-            return _go(state, senses, "home", state.plan.reach.reversed())
+            return go(state, senses, "home", state.plan.reach.reversed())
         try:
             path = free_path(senses.q, state.q_home, self.around, senses.motors)
         except InputError as error:
-            return _end(state, senses, "gave up", str(error))
-        return _go(state, senses, "home", path)
+            return end(state, senses, "gave up", str(error))
+        return go(state, senses, "home", path)
 
     def _home(self, state, senses):
         if not self._arrived(state, senses):
             return state
         if state.attempt >= self.settings.attempts:
-            return _end(state, senses, "gave up", f"no grasp held in {state.attempt} attempts")
-        return _look_for(_stay(state, senses, "look"), senses, se3.inverse(self.X_WC) @ state.X_WO)
+            return end(state, senses, "gave up", f"no grasp held in {state.attempt} attempts")
+        return look_for(stay(state, senses, "look"), senses, se3.inverse(self.X_WC) @ state.X_WO)
 
     # What the phases share.
 
@@ -317,56 +237,5 @@ class Picker:
         """Open, and try again or give up."""
         low = state.phase == "verify"
         command = np.append(state.plan.grasp.preshape, state.plan.grasp.spread)
-        state = replace(_stay(state, senses, "release", f"release: {why}", "warning"), command=command)
-        return replace(state, limit=np.full(4, 1.8), grip=np.zeros(3) if low else np.ones(3))
-
-
-def _is_low(state: PickState) -> bool:
-    """Whether it let go where it closed, so that the hand must back out."""
-    return not state.grip.any()
-
-
-def _watch(state: PickState, senses: Senses) -> PickState:
-    """Take in what the tracker has seen since the phase began."""
-    seen = senses.seen
-    if seen.number <= state.number or seen.time < state.since or seen.state == "lost":
-        return state
-    sightings = (*state.sightings, seen.X_CO) if seen.state == "tracking" else ()
-    return replace(state, sightings=sightings, number=seen.number, covariance=seen.covariance[3:, 3:])
-
-
-def _seen(state: PickState, settings: PickSettings) -> np.ndarray | None:
-    """X_CO from the newest sightings, once there are enough that agree."""
-    last = np.array(state.sightings[-settings.frames :])
-    if len(last) < settings.frames or np.ptp(last[:, :3, 3], axis=0).max() > 1e-3 * settings.still_mm:
-        return None
-    return se3.pose(last[-1][:3, :3], np.median(last[:, :3, 3], axis=0))
-
-
-def _hint(X_CO: np.ndarray, time: float) -> ObjectPose:
-    return ObjectPose(X_CO=X_CO, state="uncertain", time=time)
-
-
-def _look_for(state: PickState, senses: Senses, X_CO: np.ndarray) -> PickState:
-    """Begin a look: the tracker starts afresh from X_CO."""
-    return replace(state, initial=_hint(X_CO, senses.time), sightings=())
-
-
-def _go(state, senses, phase, path: JointPath | None, text: str = "", level: str = "info") -> PickState:
-    q_hold = state.q_hold if path is None else path.end
-    return replace(state, phase=phase, since=senses.time, path=path, q_hold=q_hold, text=text or phase, level=level)
-
-
-def _stay(state, senses, phase, text: str = "", level: str = "info") -> PickState:
-    """The next phase where the arm is: at the end of its path, or where it was stopped."""
-    q_hold = state.q_hold
-    if state.path is not None and senses.time - state.since < state.path.duration:
-        q_hold = senses.q
-    return replace(state, phase=phase, since=senses.time, path=None, q_hold=q_hold, text=text or phase, level=level)
-
-
-def _end(state, senses, phase, text, level="info") -> PickState:
-    level = "error" if phase == "gave up" else level
-    text = f"gave up: {text}" if phase == "gave up" else text
-    state = replace(_stay(state, senses, phase, text, level))
-    return state if phase == "held" else replace(state, command=np.append(np.zeros(3), state.command[3]))
+        state = replace(stay(state, senses, "release", f"release: {why}", "warning"), command=command)
+        return replace(state, limit=np.full(4, 1.8), low=low)

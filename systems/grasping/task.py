@@ -4,7 +4,8 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, LeafSystem
 
-from vipr.systems.grasping.pick import WATCHING, Picker, PickState, Senses
+from vipr.systems.grasping.pick import Picker
+from vipr.systems.grasping.pick_state import WATCHING, PickState, Senses
 from vipr.systems.signals import ObjectPose, Status
 from vipr.systems.timing import LEDGER
 
