@@ -3,7 +3,7 @@
 =========== ============================ ============================================================= =======
 stage       system                       ports                                                         rate
 =========== ============================ ============================================================= =======
-camera      camera.Camera                color_image -> frame                                          25 Hz
+camera      camera.Camera                color_image, watching -> frame                                25 Hz
 skin        segmenter.SkinSegmenter      frame -> regions                                              25 Hz
 hands       tracker.HandTracker          regions -> hand_tracks                                        25 Hz
 gestures    recogniser.GestureRecogniser hand_tracks -> gesture                                        25 Hz
@@ -15,8 +15,11 @@ servo       controller.VisualServo       object_pose, hand_pose, joint_state -> 
 arm         commander.ArmCommander       V_WE_W, motor_position -> desired_state, limited_by, status   100 Hz
 arm         encoders.JointEncoders       state -> joint_state                                          none held
 hand        driver.HandDriver            motor_command, torque_limit, hand_state, joint_torque ->      200 Hz
-                                         desired_state, motor_position, motor_torque, clutch,
-                                         finger_torque
+                                         desired_state, motor_position, motor_count,
+                                         motor_torque, clutch, finger_torque
+grasping    task.PickTask                object_pose, joint_state, motor_position, motor_torque ->     50 Hz
+                                         V_WE_W, motor_command, torque_limit, initial_pose, watching,
+                                         phase, slip_seen
 recording   recorder.Recorder            one port a channel                                            25 Hz
 truth       PoseTruth, TrackingError,    body_poses -> X_WO_true, X_WE_true, X_CO_true; errors         25 Hz
             AlignmentError

@@ -6,6 +6,7 @@ fingers close. What comes out is geometry only; whether it holds is for the simu
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -20,6 +21,8 @@ LEAST_BASE = 0.2  # of the height: narrower ones are not stood on
 OPENING = 0.018  # m that each finger stands off the object on the way: what the pose may be wrong by, and some
 PALM_GAP = 0.010  # m between palm and object
 FLOOR_GAP = 0.004  # m between hand and support
+ROUND_SPREADS = (0.0, float(np.radians(15.0)))  # rad, tried from above on rounds
+HEIGHTS = (0.5, 0.65)  # of the object's, of the hand at its side
 DEPTHS = (0.035, 0.065)  # m of the tips below the top
 PINCH = np.array([1.0, 1.0, 1.8])  # N m: finger 3 stands against two, and the clutches stay seated
 WRAP = np.array([1.8, 1.8, 1.8])  # the clutches let go, the outer links wrap around
@@ -65,82 +68,70 @@ def rests(model: CadModel) -> list[np.ndarray]:
 def resting_pose(solid: Solid, up: np.ndarray, yaw: float = 0.0) -> np.ndarray:
     """X_WO of the object at rest on z = 0 with ``up`` (3,), an axis of O, upwards; the middle of its box is over the origin."""
     R_WO = se3.exp_so3(np.array([0.0, 0.0, yaw])) @ _rotation_to_z(np.asarray(up, float))
-    corners = np.array([[x, y, z] for x in _ends(solid, 0) for y in _ends(solid, 1) for z in _ends(solid, 2)]) @ R_WO.T
-    low, high = corners.min(0), corners.max(0)
     middle = R_WO @ (0.5 * (solid.low + solid.high))
-    return se3.pose(R_WO, [-middle[0], -middle[1], -low[2]]) if high[2] > low[2] else se3.pose(R_WO, np.zeros(3))
+    half = 0.5 * float(np.abs(R_WO[2]) @ (solid.high - solid.low))
+    return se3.pose(R_WO, [-middle[0], -middle[1], half - middle[2]])
 
 
 def candidates(solid: Solid, up: np.ndarray) -> Iterator[Grasp]:
-    """Grasps of the object resting with ``up`` upwards, those the hand's fingers can reach around."""
+    """Grasps of the object resting with ``up`` (one of its ``rests``) upwards, those that the hand's fingers can reach around."""
     X_WO = resting_pose(solid, up)
-    R_WO = X_WO[:3, :3]
-    size = np.abs(R_WO) @ (solid.high - solid.low)
-    lying_round = len(solid.rounds) and abs(up[2]) < 0.5
+    size = np.abs(X_WO[:3, :3]) @ (solid.high - solid.low)
     for maker in (_from_above, _from_the_side):
-        for name, X_WG, shape in maker(solid, size, X_WO, bool(lying_round)):
+        for name, X_WG, shape in maker(solid, size):
             yield Grasp(name=name, up=np.asarray(up, float), X_OG=se3.inverse(X_WO) @ X_WG, **shape)
 
 
-def _from_above(solid, size, X_WO, lying_round):
-    standing_round = len(solid.rounds) and not lying_round
-    crossings = [("y", [1.0, 0.0, 0.0])] if standing_round else [("y", [1.0, 0.0, 0.0]), ("x", [0.0, 1.0, 0.0])]
-    for label, x_E in crossings:
-        R = _axes(np.array(x_E), np.array([0.0, 0.0, -1.0]))
-        for flip in (False, True) if not standing_round else (False,):
-            for spread in (0.0, np.radians(15.0)) if standing_round else (0.0,):
-                for depth in DEPTHS:
-                    depth = min(depth, size[2] - finger.RADIUS - FLOOR_GAP)
-                    width = size[1] if label == "y" else size[0]
-                    if standing_round:
-                        width = 2.0 * _radius_at(solid, size[2] - depth, X_WO[2, 2] > 0)
-                    try:
-                        offset, reach, preshape = _fingers(width, spread, bool(standing_round))
-                    except InputError:
-                        continue
-                    height = finger.tip(finger.closing(reach))[1]
-                    R_flip = R @ np.diag([-1.0, -1.0, 1.0]) if flip else R
-                    p = np.array([0.0, 0.0, size[2] - depth + height - GRASP_HEIGHT]) - offset * R_flip[:, 1]
-                    if p[2] + GRASP_HEIGHT - finger.PALM_HEIGHT < size[2] + PALM_GAP:
-                        continue
-                    name = f"above {label} {'turned ' if flip else ''}{1e3 * depth:.0f} mm"
-                    name += f" spread {np.degrees(spread):.0f}" if spread else ""
-                    shape = {"spread": spread, "preshape": preshape, "torque": PINCH, "width": width}
-                    yield name, se3.pose(R_flip, p), shape
-                    if depth < DEPTHS[0]:
-                        break
-
-
-def _from_the_side(solid, size, X_WO, lying_round):
-    standing_round = len(solid.rounds) and not lying_round
-    least = finger.PALM_RADIUS + FLOOR_GAP
-    heights = sorted({max(least, share * size[2]) for share in (0.5, 0.65)})
-    for label, u, depth, width in (
-        ("x", np.array([1.0, 0.0, 0.0]), size[0], size[1]),
-        ("y", np.array([0.0, 1.0, 0.0]), size[1], size[0]),
-    ):
-        if label == "y" and standing_round:
-            continue
-        for z in heights:
-            if z + finger.SPREAD_AXIS > size[2]:
-                continue
-            if standing_round:
-                width = depth = 2.0 * _radius_at(solid, z, X_WO[2, 2] > 0)
+def _from_above(solid: Solid, size: np.ndarray):
+    """Pinches with the palm down: name, X_WG and the hand's shape."""
+    round_ = len(solid.rounds) > 0
+    crossings = {"y": [1.0, 0.0, 0.0]} if round_ else {"y": [1.0, 0.0, 0.0], "x": [0.0, 1.0, 0.0]}
+    turns, spreads = (("",), ROUND_SPREADS) if round_ else (("", "turned "), (0.0,))
+    lowest = size[2] - finger.RADIUS - FLOOR_GAP
+    for (across, x_E), turn, spread in product(crossings.items(), turns, spreads):
+        R_WG = _axes(np.array(x_E), np.array([0.0, 0.0, -1.0])) @ np.diag([-1.0, -1.0, 1.0] if turn else [1.0] * 3)
+        for depth in dict.fromkeys(min(depth, lowest) for depth in DEPTHS):
+            width = 2.0 * _radius_at(solid, size[2] - depth) if round_ else size[1 if across == "y" else 0]
             try:
-                _, reach, preshape = _fingers(width, 0.0, False)
+                offset, reach, preshape = _fingers(width, spread, round_)
             except InputError:
                 continue
             tips = finger.tip(finger.closing(reach))[1]
-            R = _axes(np.array([0.0, 0.0, 1.0]), u)
-            deepest = tips - finger.PALM_HEIGHT - PALM_GAP
-            for grip, torque, inside in (("pinch", PINCH, 0.5 * depth), ("wrap", WRAP, deepest)):
-                inside = min(inside, deepest)
-                p = -(0.5 * depth - inside + tips - GRASP_HEIGHT) * u + [0.0, 0.0, z]
-                for way in (1.0, -1.0):
-                    R_way = R @ np.diag([way, way, 1.0])
-                    shape = {"spread": 0.0, "preshape": preshape, "torque": torque, "width": width}
-                    turned = "" if way > 0 else " turned"
-                    yield f"side {label} {1e3 * z:.0f} mm up {grip}{turned}", se3.pose(R_way, p), shape
+            p_WG = np.array([0.0, 0.0, size[2] - depth + tips - GRASP_HEIGHT]) - offset * R_WG[:, 1]
+            if p_WG[2] + GRASP_HEIGHT - finger.PALM_HEIGHT < size[2] + PALM_GAP:
+                continue
+            name = f"above {across} {turn}{1e3 * depth:.0f} mm"
+            name += f" spread {np.degrees(spread):.0f}" if spread else ""
+            yield name, se3.pose(R_WG, p_WG), _shape(spread, preshape, PINCH, width)
+
+
+def _from_the_side(solid: Solid, size: np.ndarray):
+    """Pinches and wraps with the palm upright: name, X_WG and the hand's shape."""
+    round_ = len(solid.rounds) > 0
+    least = finger.PALM_RADIUS + FLOOR_GAP
+    heights = [
+        z for z in sorted({max(least, share * size[2]) for share in HEIGHTS}) if z + finger.SPREAD_AXIS <= size[2]
+    ]
+    for (along, axis), z in product([("x", 0)] if round_ else [("x", 0), ("y", 1)], heights):
+        depth, width = (2.0 * _radius_at(solid, z),) * 2 if round_ else (size[axis], size[1 - axis])
+        try:
+            _, reach, preshape = _fingers(width, 0.0, False)
+        except InputError:
+            continue
+        u = np.eye(3)[axis]
+        tips = finger.tip(finger.closing(reach))[1]
+        deepest = tips - finger.PALM_HEIGHT - PALM_GAP
+        for (grip, torque, inside), turn in product(
+            (("pinch", PINCH, min(0.5 * depth, deepest)), ("wrap", WRAP, deepest)), ("", " turned")
+        ):
+            R_WG = _axes(np.array([0.0, 0.0, 1.0]), u) @ np.diag([-1.0, -1.0, 1.0] if turn else [1.0] * 3)
+            p_WG = -(0.5 * depth - inside + tips - GRASP_HEIGHT) * u + [0.0, 0.0, z]
+            name = f"side {along} {1e3 * z:.0f} mm up {grip}{turn}"
+            yield name, se3.pose(R_WG, p_WG), _shape(0.0, preshape, torque, width)
+
+
+def _shape(spread: float, preshape: np.ndarray, torque: np.ndarray, width: float) -> dict:
+    return {"spread": spread, "preshape": preshape, "torque": torque, "width": width}
 
 
 def _fingers(width: float, spread: float, round_: bool) -> tuple[float, float, np.ndarray]:
@@ -149,9 +140,8 @@ def _fingers(width: float, spread: float, round_: bool) -> tuple[float, float, n
     return offset, reach, np.full(3, finger.closing(reach + OPENING))
 
 
-def _radius_at(solid: Solid, height: float, upright: bool) -> float:
+def _radius_at(solid: Solid, z: float) -> float:
     """Radius [m] of a standing round where it is widest within a fingertip of the height [m]."""
-    z = height if upright else solid.high[2] - height
     near = [r for low, high, r in solid.rounds if low - finger.RADIUS <= z <= high + finger.RADIUS]
     return float(max(near)) if near else float(solid.rounds[:, 2].max())
 
@@ -162,10 +152,6 @@ _HALF_TURNS = {"x": [1.0, -1.0, -1.0], "y": [-1.0, 1.0, -1.0], "z": [-1.0, -1.0,
 def _same(points: np.ndarray, others: np.ndarray) -> bool:
     """Whether two sets of points are one, to half a millimetre."""
     return bool((np.linalg.norm(points[:, None] - others[None], axis=2).min(1) < 5e-4).all())
-
-
-def _ends(solid: Solid, axis: int) -> tuple[float, float]:
-    return float(solid.low[axis]), float(solid.high[axis])
 
 
 def _axes(x: np.ndarray, z: np.ndarray) -> np.ndarray:
