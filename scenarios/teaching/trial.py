@@ -15,6 +15,7 @@ from vipr.systems.hand.torque_switch import GRASPING, Drives
 CLOSE_RATE = 0.8  # rad/s of the finger command
 LIFT, LIFT_S = 0.10, 0.6  # m, s
 SHAKE, SHAKE_HZ, SHAKE_S = 0.02, 2.5, 0.8  # m, Hz, s: up to 4.9 m/s^2
+LARGEST_SLIP = 0.03  # m: beyond it the object is not held but hangs
 MOST_TIP = np.radians(10.0)  # of the object while the fingers close
 TICK = 0.02  # s, of command and watch
 TIME_STEP = 0.004  # s, of the physics
@@ -51,53 +52,74 @@ def attempt(
     drives: Drives = GRASPING,
 ) -> Trial:
     """The grasp on an object at rest at X_WO; the hand goes to X_WG, where it believes the object to be, or to the grasp's own place."""
-    bench = HandBench(_config(grasp, object_, X_WO, X_WG, drives))
-    simulator = Simulator(bench)
-    root = simulator.get_mutable_context()
-    if _touches(bench, root, np.zeros(3)):
+    run = _Run(HandBench(_config(grasp, object_, X_WO, X_WG, drives)))
+    if _touches(run.bench, run.root, np.zeros(3)):
         return _failed("the hand touches something before it closes")
-    command, limit, carriage = (
-        bench.GetInputPort(n) for n in ("motor_command", "torque_limit", "carriage_desired_state")
-    )
-    limit.FixValue(root, np.append(grasp.torque, 2.0))
-    carriage.FixValue(root, np.zeros(6))
-
-    def read(port):
-        return bench.GetOutputPort(port).Eval(root)
-
-    time, still, last = 0.0, 0, grasp.preshape
-    X_WO_before = read("X_WO_true").GetAsMatrix4()
-    while still < 5 and time < 2.5:
-        time += TICK
-        wanted = np.minimum(grasp.preshape + CLOSE_RATE * time, transmission.MOTOR_UPPER[:3])
-        command.FixValue(root, np.append(wanted, grasp.spread))
-        simulator.AdvanceTo(time)
-        now = np.array(read("motor_position")[:3])
-        still = still + 1 if (np.abs(now - last) < 0.002).all() else 0
-        last = now
-    command.FixValue(root, np.append(last, grasp.spread))
-    simulator.AdvanceTo(time + 0.1)
-    time += 0.1
-    torque, quality = np.array(read("motor_torque")[:3]), _quality(bench, root)
-    X_WO_closed = read("X_WO_true").GetAsMatrix4()
+    X_WO_before = run.read("X_WO_true").GetAsMatrix4()
+    closed = _close(run, grasp)
+    torque, quality = np.array(run.read("motor_torque")[:3]), _quality(run.bench, run.root)
+    X_WO_closed = run.read("X_WO_true").GetAsMatrix4()
     moved = float(np.linalg.norm(X_WO_closed[:3, 3] - X_WO_before[:3, 3]))
     if se3.angle_between(X_WO_before, X_WO_closed) > MOST_TIP:
-        return _failed("it tips over as the fingers close")
-    X_EO = _in_hand(read)
-    slip = tilt = 0.0
-    for start, seconds, shift in (
-        (time, LIFT_S, _lift),
-        (time + LIFT_S, SHAKE_S if shake else 0.1, _shake if shake else _stay),
-    ):
+        return _failed("it turns over as the fingers close")
+    slip, tilt = _lift_and_shake(run, shake)
+    raised = run.read("X_WO_true").translation()[2] - X_WO_closed[2, 3]
+    held = raised > 0.7 * LIFT and slip < LARGEST_SLIP
+    return Trial(held, slip, tilt, moved, closed, torque, quality, "" if held else f"lifted {1e3 * raised:.0f} mm")
+
+
+class _Run:
+    """A bench that is being simulated."""
+
+    def __init__(self, bench: HandBench):
+        self.bench, self.simulator, self.time = bench, Simulator(bench), 0.0
+        self.root = self.simulator.get_mutable_context()
+        self.fix("carriage_desired_state", np.zeros(6))
+
+    def fix(self, port: str, value) -> None:
+        self.bench.GetInputPort(port).FixValue(self.root, value)
+
+    def read(self, port: str):
+        return self.bench.GetOutputPort(port).Eval(self.root)
+
+    def advance(self, time: float) -> None:
+        self.time = time
+        self.simulator.AdvanceTo(time)
+
+    def in_hand(self) -> np.ndarray:
+        """X_EO."""
+        return self.read("X_WE_true").inverse().multiply(self.read("X_WO_true")).GetAsMatrix4()
+
+
+def _close(run: _Run, grasp: Grasp) -> np.ndarray:
+    """Close the fingers until they stand, stop their motors there, and return their angles (3,) [rad]."""
+    run.fix("torque_limit", np.append(grasp.torque, 2.0))
+    still, last = 0, grasp.preshape
+    while still < 5 and run.time < 2.5:
+        time = run.time + TICK
+        wanted = np.minimum(grasp.preshape + CLOSE_RATE * time, transmission.MOTOR_UPPER[:3])
+        run.fix("motor_command", np.append(wanted, grasp.spread))
+        run.advance(time)
+        now = np.array(run.read("motor_position")[:3])
+        still = still + 1 if (np.abs(now - last) < 0.002).all() else 0
+        last = now
+    run.fix("motor_command", np.append(last, grasp.spread))
+    run.advance(run.time + 0.1)
+    return last
+
+
+def _lift_and_shake(run: _Run, shake: bool) -> tuple[float, float]:
+    """The most that the object slips [m] and turns [rad] in the hand meanwhile."""
+    X_EO, slip, tilt = run.in_hand(), 0.0, 0.0
+    for seconds, shift in ((LIFT_S, _lift), (SHAKE_S, _shake) if shake else (0.1, _stay)):
+        start = run.time
         for s in np.arange(TICK, seconds + TICK / 2, TICK):
-            carriage.FixValue(root, shift(s))
-            simulator.AdvanceTo(start + s)
-            change = se3.difference(X_EO, _in_hand(read))
+            run.fix("carriage_desired_state", shift(s))
+            run.advance(start + s)
+            change = se3.difference(X_EO, run.in_hand())
             slip, tilt = max(slip, float(np.linalg.norm(change[3:]))), max(tilt, float(np.linalg.norm(change[:3])))
-        time = start + seconds
-    raised = read("X_WO_true").translation()[2] - X_WO_closed[2, 3]
-    held = raised > 0.7 * LIFT and slip < 0.03
-    return Trial(held, slip, tilt, moved, last, torque, quality, "" if held else f"lifted {1e3 * raised:.0f} mm")
+        run.time = start + seconds
+    return slip, tilt
 
 
 def _lift(s):
@@ -148,10 +170,6 @@ def _touches(bench, root, shift) -> bool:
     touching = any(of_hand(p.id_A) != of_hand(p.id_B) and p.depth > 1e-4 for p in pairs)
     plant.SetPositions(context, carriage, np.zeros(3))
     return touching
-
-
-def _in_hand(read) -> np.ndarray:
-    return read("X_WE_true").inverse().multiply(read("X_WO_true")).GetAsMatrix4()
 
 
 def _quality(bench, root) -> float:
