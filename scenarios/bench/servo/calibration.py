@@ -13,12 +13,12 @@ from vipr.scenarios.place_by_showing import PlaceSettings
 
 FOCAL, SHIFT_MM, TURN_DEG = 10.0, 50.0, 5.0
 SMALL_MM = 2.0
-CLOSED = ("position-based", "image-based, current L", "2.5D")
+CLOSED = ("position-based", "image-based, current L")
 OPEN = ("position-based", "image-based, current L")
 
 
 def run(bench: Bench) -> Iterator[Table]:
-    seeds = bench.seeds(30, 2)
+    seeds = bench.seeds(20, 2)
     placed = [Setting.of(placing(PlaceSettings(place=s, duration_s=6.0, calibration=wrong(s)), s)) for s in seeds]
     reached = [
         Setting.of(Align(AlignSettings(cruise_s=0.0, approach_s=3.0, settle_s=1.5, calibration=wrong(s)), s))

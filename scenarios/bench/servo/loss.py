@@ -15,7 +15,7 @@ STILL = 1e-3  # rad/s
 
 
 def run(bench: Bench) -> Iterator[Table]:
-    seeds = bench.seeds(20, 3)
+    seeds = bench.seeds(10, 2)
     rows = []
     for name in ("position-based", "image-based, current L", "2.5D"):
         flights = []
