@@ -101,11 +101,8 @@ class PlaceByShowing(ServoScenario):
         """X_WO and joint angles (6,) at the start, within the arm's reach and the camera's view."""
         s, X_WC, lens = self.settings, self.config.X_WC, self.config.lens
         for _ in range(200):
-            aside = rng.uniform(-s.start_offset_m, s.start_offset_m, 3) * [1.0, 1.0, 0.5] + [
-                0,
-                0,
-                0.25 * s.start_offset_m,
-            ]
+            x, y, z = s.start_offset_m * rng.uniform(-1.0, 1.0, 3)
+            aside = np.array([x, y, 0.5 * z + 0.25 * s.start_offset_m])
             turn = np.deg2rad(s.start_turn_deg) * rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0)
             R = se3.exp_so3(turn * X_WC[:3, 1]) @ self.X_WO_shown[:3, :3]
             X_WO = se3.pose(R, self.X_WO_shown[:3, 3] + aside)
@@ -156,9 +153,8 @@ class PlaceByShowing(ServoScenario):
     def task(self):
         self.taught = self.taught or self.show()
         if self.taught.X_WO_true is not None:
-            self.X_WO_shown = (
-                self.taught.X_WO_true
-            )  # the arm gives way a little under the object: it stood there, not where it was sent
+            # The arm gives way a little under the object: it stood there, not where the arm was sent.
+            self.X_WO_shown = self.taught.X_WO_true
         return self.taught.task(self.lens, self.X_WC)
 
     def referee(self):

@@ -10,9 +10,13 @@ gestures    recogniser.GestureRecogniser hand_tracks -> gesture                 
 pose        (pure)                       points and pixels -> poses
 calibration (pure)                       images, poses of the hand -> lens, X_WC, covariance
 tracking    tracker.ModelTracker         frame, initial_pose, occluders -> object_pose                 25 Hz
+tracking    geometric_sight              X_CO_true, X_CE_true -> object_pose, hand_pose (in place of   25 Hz
+            .GeometricSight              camera and tracker, for thousands of runs)
+servo       pose_delay.PoseDelay         object_pose -> delayed_pose                                   25 Hz
 servo       controller.VisualServo       object_pose, hand_pose, joint_state -> V_WE_W, servo_error,   25 Hz
                                          status
 arm         commander.ArmCommander       V_WE_W, motor_position -> desired_state, limited_by, status   100 Hz
+arm         limit_use.LimitUse           desired_state -> limit_use                                    100 Hz
 arm         encoders.JointEncoders       state -> joint_state                                          none held
 hand        driver.HandDriver            motor_command, torque_limit, hand_state, joint_torque ->      200 Hz
                                          desired_state, motor_position, motor_count,
@@ -22,7 +26,8 @@ grasping    task.PickTask                object_pose, joint_state, motor_positio
                                          phase, slip_seen
 recording   recorder.Recorder            one port a channel                                            25 Hz
 truth       PoseTruth, TrackingError,    body_poses -> X_WO_true, X_WE_true, X_CO_true; errors         25 Hz
-            AlignmentError
+            AlignmentError, PlacementError,
+            KinematicTruth
 =========== ============================ ============================================================= =======
 
 ``signals`` holds every value that crosses an abstract port, ``se3`` rigid motions, ``errors`` the user's errors, ``timing`` the wall time.

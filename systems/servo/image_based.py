@@ -1,4 +1,4 @@
-"""Image-based visual servoing on points (paper III-F; Chaumette and Hutchinson 2006)."""
+"""Image-based visual servoing on points or lines (paper III-F; Chaumette and Hutchinson 2006)."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,8 +9,10 @@ from vipr.systems.errors import InputError
 from vipr.systems.servo.gain import gain_at
 from vipr.systems.servo.interaction import point_interaction
 from vipr.systems.servo.law import Law
+from vipr.systems.servo.line_features import line_error, lines_interaction
 from vipr.systems.servo.situation import Situation
 
+FEATURES = ("points", "lines")
 JACOBIANS = ("current", "desired", "mean", "estimated")
 
 
@@ -18,17 +20,25 @@ JACOBIANS = ("current", "desired", "mean", "estimated")
 class ImageBased(Law):
     """Every feature goes straight to its goal in the image, as far as one rigid motion can do it.
 
-    jacobian: ``current`` (features and depths of now), ``desired`` (of the goal: constant), ``mean`` of the two (Malis 2004), or
-    ``estimated`` (features of now, depths from how they moved: no model of the object).
+    features: the ``points``, or the ``lines`` through one and the next. jacobian: ``current`` (features and depths of now), ``desired`` (of
+    the goal: constant), ``mean`` of the two (Malis 2004), or ``estimated`` (points of now, depths from how they moved: no model of the
+    object).
     """
 
     kind: Literal["image_based"] = "image_based"
+    features: str = "points"
     jacobian: str = "current"
 
     def __post_init__(self):
         super().__post_init__()
+        if self.features not in FEATURES:
+            raise InputError(f"servo: unknown features {self.features!r}, allowed are {', '.join(FEATURES)}")
         if self.jacobian not in JACOBIANS:
             raise InputError(f"servo: unknown jacobian {self.jacobian!r}, allowed are {', '.join(JACOBIANS)}")
+        if self.features == "lines" and self.jacobian == "estimated":
+            raise InputError(
+                "servo: jacobian estimated is for points; with features lines take current, desired or mean"
+            )
 
 
 def image_based_twist(situation: Situation, law: ImageBased, depths: np.ndarray | None = None) -> np.ndarray:
@@ -36,18 +46,25 @@ def image_based_twist(situation: Situation, law: ImageBased, depths: np.ndarray 
 
     depths: (n,) estimated [m], for the ``estimated`` Jacobian.
     """
-    error = (situation.x - situation.x_goal).ravel()
-    L = interaction_of(situation, law.jacobian, depths)
+    if law.features == "lines":
+        error = line_error(situation.x, situation.x_goal)
+    else:
+        error = (situation.x - situation.x_goal).ravel()
+    L = interaction_of(situation, law, depths)
     return gain_at(law.gain, error) * np.linalg.lstsq(L, error, rcond=None)[0]
 
 
-def interaction_of(situation: Situation, jacobian: str, depths: np.ndarray | None = None) -> np.ndarray:
-    """(2 n, 6) interaction matrix of the chosen kind."""
-    if jacobian == "current":
-        return point_interaction(situation.x, situation.depths)
-    if jacobian == "estimated":
+def interaction_of(situation: Situation, law: ImageBased, depths: np.ndarray | None = None) -> np.ndarray:
+    """(2 n, 6) interaction matrix of the law's kind."""
+    if law.jacobian == "estimated":
         return point_interaction(situation.x, depths)
-    desired = point_interaction(situation.x_goal, situation.goal_depths)
-    if jacobian == "desired":
-        return desired
-    return 0.5 * (point_interaction(situation.x, situation.depths) + desired)
+    matrices = []
+    if law.jacobian in ("current", "mean"):
+        matrices.append(_interaction(law.features, situation.x, situation.points_C))
+    if law.jacobian in ("desired", "mean"):
+        matrices.append(_interaction(law.features, situation.x_goal, situation.goal_points_C))
+    return np.mean(matrices, axis=0)
+
+
+def _interaction(features: str, x: np.ndarray, points_C: np.ndarray) -> np.ndarray:
+    return lines_interaction(x, points_C) if features == "lines" else point_interaction(x, points_C[:, 2])

@@ -18,7 +18,7 @@ FIGURES = ("final_translation_error_mm", "final_rotation_error_deg")
 
 
 def run(bench: Bench) -> Iterator[Table]:
-    seeds = bench.seeds(10, 1)
+    seeds = bench.seeds(10, 2)
     found = {servo: [] for servo in SERVOS}
     with TemporaryDirectory() as folder:
         for seed in seeds:

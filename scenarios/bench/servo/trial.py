@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
+from pydrake.trajectories import Trajectory
 
 from vipr.diagrams.geometric_servo import GeometricServo
 from vipr.diagrams.workcell import JOINT_LIMITS, STAGE, collision_guard, puma_with_hand
@@ -73,7 +74,7 @@ class Setting:
     body_and_goal: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
     lens: Lens
     duration: float
-    motion: object  # trajectory of the stage
+    motion: Trajectory  # of the stage
     X_WS: np.ndarray
     believed: Lens | None = None  # a wrong lens
     blind: tuple[float, float] = (np.inf, np.inf)  # s

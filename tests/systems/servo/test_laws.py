@@ -11,6 +11,7 @@ from vipr.systems.servo.hybrid import Hybrid
 from vipr.systems.servo.image_based import JACOBIANS, ImageBased
 from vipr.systems.servo.law import Law, limited_sum
 from vipr.systems.servo.laws import check_features, correction
+from vipr.systems.servo.line_features import line_error, lines_through
 from vipr.systems.servo.position_based import PositionBased
 from vipr.systems.servo.situation import Situation
 
@@ -18,8 +19,11 @@ SQUARE = np.array([[-0.1, -0.1, 0], [0.1, -0.1, 0], [0.1, 0.1, 0], [-0.1, 0.1, 0
 BOX = np.array([[x, y, z] for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (0.0, 0.2)])
 START = se3.pose(se3.exp_so3(np.deg2rad([10.0, -10.0, 50.0])), [0.15, -0.1, 1.0])
 GOAL = se3.pose(np.eye(3), [0.0, 0.0, 0.75])
-LAWS = [PositionBased(), *(ImageBased(jacobian=j) for j in JACOBIANS), Hybrid()]
-each_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: getattr(law, "jacobian", law.kind))
+LINES = ImageBased(features="lines")
+LAWS = [PositionBased(), *(ImageBased(jacobian=j) for j in JACOBIANS), LINES, Hybrid()]
+each_law = pytest.mark.parametrize(
+    "law", LAWS, ids=lambda law: f"{getattr(law, 'features', '')} {getattr(law, 'jacobian', law.kind)}"
+)
 
 
 def fly(law, points=SQUARE, X=START, X_CG=GOAL, *, dt=0.04, seconds=6.0, V_G=np.zeros(6)):
@@ -31,6 +35,11 @@ def fly(law, points=SQUARE, X=START, X_CG=GOAL, *, dt=0.04, seconds=6.0, V_G=np.
         V = V + (V_G if law.feed_forward else 0.0)
         X, X_CG = se3.exp(dt * V) @ X, se3.exp(dt * V_G) @ X_CG
     return seen
+
+
+def near(X):
+    """A pose a little away from X."""
+    return se3.exp(np.array([0.02, -0.03, 0.05, 0.02, -0.01, 0.03])) @ X
 
 
 def image_error(seen):
@@ -53,6 +62,19 @@ def test_four_point_servo_from_the_start_of_visps_tutorial_decays_exponentially(
     """
     errors = image_error(fly(ImageBased(gain=0.5), dt=dt, seconds=6.0))
     assert np.allclose(errors / errors[0], step ** np.arange(len(errors)), rtol=0.01)
+
+
+@pytest.mark.parametrize("jacobian", ["current", "mean"])
+def test_lines_decay_exponentially_as_points_do(jacobian):
+    seen = fly(ImageBased(features="lines", jacobian=jacobian, gain=1.0), dt=2e-3, seconds=1.0, X=near(GOAL))
+    first, last = (np.linalg.norm(line_error(s.x, s.x_goal)) for s in (seen[0], seen[-1]))
+    assert last / first == pytest.approx(np.exp(-1.0), rel=0.02)
+
+
+def test_a_line_seen_end_on_is_refused():
+    x = np.array([[0.0, 0.0], [0.1, 0.0], [0.1, 0.0], [0.0, 0.1]])
+    with pytest.raises(InputError, match="line 2 of 4 is seen end-on"):
+        lines_through(x)
 
 
 def test_position_based_error_decays_exponentially_on_a_straight_line():
@@ -154,6 +176,8 @@ def test_a_feature_in_the_cameras_plane_is_refused(law):
         (lambda: Hybrid(max_speed=-1.0), "max_speed must be positive, got -1.0"),
         (lambda: AdaptiveGain(near=1.0, far=2.0), "gain.far must be positive and below gain.near"),
         (lambda: ImageBased(jacobian="transposed"), "unknown jacobian 'transposed', allowed are current, desired"),
+        (lambda: ImageBased(features="colours"), "unknown features 'colours', allowed are points, lines"),
+        (lambda: ImageBased(features="lines", jacobian="estimated"), "jacobian estimated is for points"),
         (lambda: Hybrid(rotation="guessed"), "unknown rotation 'guessed', allowed are pose, homography"),
     ],
 )
