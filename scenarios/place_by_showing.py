@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import ConstantVectorSource
+from pydrake.systems.primitives import TrajectorySource
+from pydrake.trajectories import PiecewisePolynomial
 
 from vipr.diagrams.workcell import STAGE, Workcell, WorkcellConfig, fixed_camera
 from vipr.scenarios.motions import out_and_back
@@ -14,6 +15,7 @@ from vipr.scenarios.servoing import (
     ServoingSettings,
     ServoScenario,
     above,
+    direction,
     disturbed,
     joints_for,
     stage_and_fingers,
@@ -25,7 +27,8 @@ from vipr.systems.errors import InputError
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import PlacementError
 
-SHOWING = 2.4  # s that the object is held still at the shown place
+BRINGING, SHOWING = 1.6, 0.8  # s in which the object is brought to the shown place, and that it is held still there
+BROUGHT_M, BROUGHT_DEG = 0.04, 25.0  # from where: the tracker sees it from several sides, as it does when it is placed
 LOOKS = 10  # frames at its end whose corners are averaged
 BORDER = 20  # px that the corners keep from the image's border
 
@@ -119,11 +122,24 @@ class PlaceByShowing(ServoScenario):
             f"start_turn_deg {s.start_turn_deg}; take smaller ones"
         )
 
+    def _near(self, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """X_WO and joint angles (6,) from where the object is brought to the shown place."""
+        for _ in range(100):
+            turn = np.deg2rad(BROUGHT_DEG) * rng.choice([-1.0, 1.0])
+            R = se3.exp_so3(turn * self.config.X_WC[:3, 1]) @ self.X_WO_shown[:3, :3]
+            X_WO = se3.pose(R, self.X_WO_shown[:3, 3] + BROUGHT_M * direction(rng))
+            try:
+                return X_WO, joints_for(X_WO @ se3.inverse(self._X_EO), self._q_shown)
+            except InputError:
+                continue
+        raise InputError(f"{self.name}: the arm cannot bring the object to the shown place")
+
     def show(self) -> ShownPlace:
-        """Hold the object at the place, look at it for a moment, and keep the image positions of its corners."""
-        s, config = self.settings, replace(self.config, q_initial=self._q_shown)
-        rng = np.random.default_rng([s.place, 2])
-        X_CO = se3.inverse(config.X_WC) @ self.X_WO_shown
+        """Bring the object to the place, hold it there for a moment, and keep the image positions of its corners."""
+        s, rng = self.settings, np.random.default_rng([self.settings.place, 2])
+        X_WO, q = self._near(rng)
+        config = replace(self.config, q_initial=q)
+        X_CO = se3.inverse(config.X_WC) @ X_WO
         builder = DiagramBuilder()
         cell = builder.AddSystem(Workcell(config))
         start = disturbed(X_CO, s.initial_error_mm, s.initial_error_deg, rng)
@@ -133,13 +149,14 @@ class PlaceByShowing(ServoScenario):
             )
         )
         builder.Connect(cell.GetOutputPort("frame"), tracker.GetInputPort("frame"))
-        still = ConstantVectorSource(np.concatenate([self._q_shown, np.zeros(6)]))
-        for name, source in {**stage_and_fingers(self.motion, self._fingers), "arm_desired_state": still}.items():
+        way = PiecewisePolynomial.CubicHermite([0.0, BRINGING], np.column_stack([q, self._q_shown]), np.zeros((6, 2)))
+        arm = TrajectorySource(way, output_derivative_order=1, zero_derivatives_beyond_limits=True)
+        for name, source in {**stage_and_fingers(self.motion, self._fingers), "arm_desired_state": arm}.items():
             builder.Connect(builder.AddSystem(source).get_output_port(), cell.GetInputPort(name))
         simulator = Simulator(builder.Build())
         pose, pixels = tracker.GetOutputPort("object_pose"), []
         for k in range(LOOKS):
-            simulator.AdvanceTo(SHOWING - (LOOKS - 1 - k) * self.schedule.camera)
+            simulator.AdvanceTo(BRINGING + SHOWING - (LOOKS - 1 - k) * self.schedule.camera)
             seen = pose.Eval(tracker.GetMyContextFromRoot(simulator.get_context()))
             if seen.state != "tracking":
                 raise InputError(

@@ -16,15 +16,17 @@ STILL = 1e-3  # rad/s
 
 def run(bench: Bench) -> Iterator[Table]:
     seeds = bench.seeds(10, 2)
+    laws = {name: LAWS[name] for name in ("position-based", "image-based, current L", "2.5D")}
+    laws["position-based, at most 0.1 m/s and 0.4 rad/s"] = replace(LAWS["position-based"], max_speed=0.1, max_turn=0.4)
     rows = []
-    for name in ("position-based", "image-based, current L", "2.5D"):
+    for name, law in laws.items():
         flights = []
         for seed in seeds:
             bench.progress(f"target lost, {name}: {seed}")
             start = 0.04 * round(np.random.default_rng([seed, 7]).uniform(0.2, 1.4) / 0.04)
             setting = Setting.of(placing(PlaceSettings(place=seed, duration_s=6.0), seed))
             setting = replace(setting, blind=(start - 1e-6, start + BLIND))
-            flights.append(fly(setting, LAWS[name], step=0.01))
+            flights.append(fly(setting, law, step=0.01))
         told = [1e3 * (_first(f, np.abs(f.V).max(axis=1) == 0) - f.setting.blind[0]) for f in flights]
         still = [1e3 * (_first(f, np.abs(f.rates).max(axis=1) < STILL) - f.setting.blind[0]) for f in flights]
         way = [_way(f) for f in flights]
