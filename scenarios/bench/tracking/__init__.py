@@ -13,7 +13,7 @@ from vipr.scenarios.bench.tracking.workbench import Workbench
 PARTS = {
     "accuracy": "errors beside the Cramer-Rao bound",
     "fig11": "full turns and lateral motion, survived or not",
-    "parts": "fastest motion survived with each part of the method switched off",
+    "parts": "what is followed with each part of the method switched off",
     "handheld": "carried and shaken by hand before clutter",
     "disturbance": "occlusion, clutter, light, blur, dropped frames",
     "loss": "forced losses detected, false alarms",
