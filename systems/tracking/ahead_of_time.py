@@ -26,14 +26,14 @@ def compile_tracker() -> None:
         X_CO = se3.pose(se3.exp_so3(np.array([0.5, 0.6, 0.1])), np.array([0.0, 0.0, 0.5]))
         belief = start(X_CO)
         for k in range(4):
-            image = _picture(X_CO, prints if printed else prints[:, :1, :1])
+            image = picture(X_CO, prints if printed else prints[:, :1, :1])
             image = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if colour else image
             belief = step(belief, image, 0.04 * k, model, LENS, occluders_C=occluders)
             jump = 0.3 if k == 2 else 0.02  # the last one is a loss
             X_CO = move(X_CO, np.array([jump, jump, 0.0, 0.002, 0.0, 0.0]))
 
 
-def _picture(X_CO, prints):
+def picture(X_CO, prints):
     """The box's faces with their prints before a grey ground."""
     image = np.full((LENS.height, LENS.width), 20, np.uint8)
     p_C = CORNERS @ X_CO[:3, :3].T + X_CO[:3, 3]

@@ -2,7 +2,7 @@
 
 One step: predict the motion; align the texture learnt so far, or, without it, fit an affine motion to the normal flow and search the pose
 on the gradients; finish by Gauss-Newton on the edges; weigh the evidence; if it is thin, try again from other starts; learn.
-Frames: O object, C camera (x right, y down, z forward); displacements d = (w, v) as in ``pose_fit``.
+Frames: O object, C camera (x right, y down, z forward); displacements d = (w, v) as in ``displacements``.
 """
 
 from dataclasses import dataclass, field, replace

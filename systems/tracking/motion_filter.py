@@ -1,6 +1,6 @@
 """Constant-velocity filter on SE(3): prediction of a tracked pose, with its covariance.
 
-State: pose X_CO and twist V_CO = (w, v) of O's origin, expressed in C; errors are displacements d as in ``pose_fit`` and
+State: pose X_CO and twist V_CO = (w, v) of O's origin, expressed in C; errors are displacements d as in ``displacements`` and
 errors of V. Acceleration is white noise.
 """
 

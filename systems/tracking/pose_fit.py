@@ -1,8 +1,7 @@
 """Pose from edge displacements: robust Gauss-Newton over several hypotheses a node, coarse to fine.
 
 Displacements d = (w, v) are those of ``displacements``. Normal displacement of a node with image normal n: ``J d``; the rows of J
-are (q x g, g) with q = R p_O and
-g = n' du/dp_C.
+are (q x g, g) with q = R p_O and g = n' du/dp_C.
 """
 
 from dataclasses import dataclass

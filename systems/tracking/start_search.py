@@ -4,7 +4,7 @@ Edge pixels of the image are sorted into orientations; each orientation has its 
 mean, over the nodes of its visible edges, of the distance to the nearest image edge of the node's own orientation (directional chamfer
 matching: Liu, Tuzel, Veeraraghavan, Chellappa, CVPR 2010). A grid over the image shift, the roll and the two tilts finds the basins; the
 best of them are followed down in all six displacements by halving steps (as in eq. 35 of the paper).
-Frames: O object, C camera; displacements (w, v) as in ``pose_fit``.
+Frames: O object, C camera; displacements (w, v) as in ``displacements``.
 """
 
 from dataclasses import dataclass
