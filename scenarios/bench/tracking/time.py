@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from vipr.scenarios.bench.tables import Table
-from vipr.scenarios.bench.tracking.workbench import BOXES, RATE, XC77, Workbench
+from vipr.scenarios.bench.tracking.workbench import BOXES, RATE, UNPRINTED, XC77, Workbench
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems.camera.lens import Lens
@@ -34,13 +34,14 @@ def run(bench: Workbench) -> Iterator[Table]:
 
 def _tables(bench):
     length = 20 if bench.quick else 50
-    frames = {name: _frames(bench, name, XC77, length) for name in BOXES}
+    objects = (*BOXES, BOXES[0] + UNPRINTED)
+    frames = {name: _frames(bench, name, XC77, length) for name in objects}
     total = Table(
         "Processor time a frame at 640x480, ms",
         ("object", "nodes used", "median", "90 %", "best run's median"),
         note=f"Hand-held motion of up to 8 px a frame before clutter; {REPEATS} runs of {length} frames.",
     )
-    for name in BOXES:
+    for name in objects:
         bench.progress(f"time: {name}")
         runs = [bench.track(name, frames[name], count=False) for _ in range(REPEATS)]
         ms = np.array([r.ms[3:] for r in runs])
