@@ -42,6 +42,6 @@ test-wheel: wheel
 clean:
 	rm -rf $(VENV) build dist out *.egg-info
 
-# What numba keeps of compiled functions (systems/compiled.py).
+# What numba keeps of compiled functions (systems/compiled.py), of earlier sources too.
 clean-compiled:
-	find systems scenarios -name '*.nb[ic]' -delete
+	find systems -type d -path '*__pycache__/compiled-*' -prune -exec rm -r {} +

@@ -1,18 +1,48 @@
 """Inner loops compiled by numba, where arrays of a few hundred numbers would spend their time in numpy's calls.
 
-``compiled`` turns a pure function of numbers and arrays into machine code at its first call, and keeps that beside its module (or in the
-user's cache folder), so that the next process starts with it. A change in a compiled function that others call from another module
-needs ``make clean-compiled``: what is kept is checked against the caller's own file only.
+``compiled`` turns a pure function of numbers and arrays into machine code at its first call, and keeps that below its stage's
+``__pycache__``, so that the next process starts with it. Compiled functions call each other across modules, and numba looks at the caller's
+file only: here what is kept belongs to the sources of the whole stage, and any change in them compiles anew.
 """
 
-from collections.abc import Callable
+import hashlib
+import inspect
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
 
-from numba import njit
+from numba import config, njit
 
 
 def compiled(function: Callable) -> Callable:
     """The function, compiled; division by zero gives inf or nan, as in numpy. Where nothing can be kept, each process compiles anew."""
+    with _kept_in(folder_of(Path(inspect.getfile(function)).parent)):
+        try:
+            return njit(cache=True, error_model="numpy")(function)
+        except RuntimeError:  # no folder that can be written
+            return njit(error_model="numpy")(function)
+
+
+@cache
+def folder_of(stage: Path) -> Path:
+    """Where the compiled code of the modules in a folder is kept: named for what they, and the rigid motions, say now."""
+    sources = hashlib.sha256()
+    for path in sorted({*stage.glob("*.py"), Path(__file__).with_name("se3.py")}):
+        sources.update(path.read_bytes())
+    return stage / "__pycache__" / f"compiled-{sources.hexdigest()[:12]}"
+
+
+@contextmanager
+def _kept_in(folder: Path) -> Iterator[None]:
+    """Functions that numba takes up meanwhile are kept there, or, if that cannot be written, where numba finds a place."""
+    usual = config.CACHE_DIR
     try:
-        return njit(cache=True, error_model="numpy")(function)
-    except RuntimeError:  # no folder that can be written
-        return njit(error_model="numpy")(function)
+        folder.mkdir(parents=True, exist_ok=True)
+        config.CACHE_DIR = str(folder)
+    except OSError:
+        pass
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = usual
