@@ -10,6 +10,7 @@ import numpy as np
 from vipr.diagrams.workcell import STAGE_TRAVEL, WorkcellConfig, fixed_camera, standing
 from vipr.scenarios.motions import out_and_back
 from vipr.scenarios.servoing import ServoingSettings, ServoScenario, above, direction, joints_for
+from vipr.scenarios.settings import require_within
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.errors import InputError
@@ -35,8 +36,8 @@ class AlignSettings(ServoingSettings):
 
     def __post_init__(self):
         super().__post_init__()
-        self.require_within(approach_s=(0.5, 600), settle_s=(0.5, 600), cruise_s=(0, 60), clearance_m=(0, 0.3))
-        self.require_within(object_speed_m_s=(0, 0.4), object_turn_deg_s=(0, 180), start_turn_deg=(0, 60))
+        require_within(self, approach_s=(0.5, 600), settle_s=(0.5, 600), cruise_s=(0, 60), clearance_m=(0, 0.3))
+        require_within(self, object_speed_m_s=(0, 0.4), object_turn_deg_s=(0, 180), start_turn_deg=(0, 60))
 
 
 class Align(ServoScenario):

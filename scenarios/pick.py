@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram
 from pydrake.systems.primitives import ConstantVectorSource
 
 from vipr.diagrams.pick import PickRobot
@@ -12,6 +12,7 @@ from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed
 from vipr.models import model_path, object_names
 from vipr.scenarios.placements import LIES, LOOKING, Placement, around, check, random_placement, ways_to_lie
 from vipr.scenarios.scenario import Outcome, Scenario
+from vipr.scenarios.settings import require_one_of, require_within
 from vipr.systems import se3
 from vipr.systems.camera.imperfections import Imperfection
 from vipr.systems.errors import InputError
@@ -30,6 +31,9 @@ JOINTS = tuple(f"joint_{i}" for i in range(1, 7))
 FINGERS = ("finger_1", "finger_2", "finger_3")
 MOTORS = (*FINGERS, "spread")
 KNOCKED_OVER = np.radians(25.0)
+
+
+CONTACT_MODELS = ("hydroelastic_with_fallback", "point")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,31 +58,16 @@ class PickScenarioSettings:
     tracker: TrackerSettings = TrackerSettings()
     pick: PickSettings = PickSettings()
     hand: Drives = GRASPING
-    contact_model: str = "hydroelastic_with_fallback"  # or point
+    contact_model: str = CONTACT_MODELS[0]
     time_step_s: float = 0.005
 
     def __post_init__(self):
-        if self.object not in object_names():
-            raise InputError(f"pick: unknown object {self.object!r}; there are: {', '.join(object_names())}")
-        if self.lie not in LIES:
-            raise InputError(f"pick: lie must be one of {', '.join(LIES)}, got {self.lie!r}")
-        if not 1 <= self.supersampling <= 4:
-            raise InputError(f"pick: supersampling must be 1 to 4, got {self.supersampling}")
-        if self.contact_model not in ("hydroelastic_with_fallback", "point"):
-            raise InputError(
-                f"pick: contact_model must be hydroelastic_with_fallback or point, got {self.contact_model!r}"
-            )
-        for name, least, most in (
-            ("ballast_kg", 0, 100),
-            ("initial_error_mm", 0, 500),
-            ("initial_error_deg", 0, 180),
-            ("pose_error_mm", 0, 100),
-            ("pose_error_deg", 0, 90),
-            ("duration_s", 1, 600),
-            ("time_step_s", 1e-4, 0.01),
-        ):
-            if not least <= getattr(self, name) <= most:
-                raise InputError(f"pick: {name} must be {least} to {most}, got {getattr(self, name)}")
+        require_one_of("object", self.object, object_names())
+        require_one_of("lie", self.lie, LIES)
+        require_one_of("contact_model", self.contact_model, CONTACT_MODELS)
+        require_within(self, supersampling=(1, 4), ballast_kg=(0, 100), duration_s=(1, 600), time_step_s=(1e-4, 0.01))
+        require_within(self, initial_error_mm=(0, 500), initial_error_deg=(0, 180))
+        require_within(self, pose_error_mm=(0, 100), pose_error_deg=(0, 90))
 
 
 class Pick(Scenario):
@@ -142,19 +131,9 @@ class Pick(Scenario):
         surroundings = around(self.placement.stage, JOINT_LIMITS, self._cad)
         table = best_only(self._table) if s.one_grasp else self._table
         picker = Picker(table, surroundings, self._config.X_WC, s.pick, self._pose_error)
-        builder = DiagramBuilder()
-        robot = builder.AddNamedSystem(
-            "robot",
-            PickRobot(Workcell(self._config), self._cad, picker, self._X_CO_initial, film=s.film, tracker=s.tracker),
-        )
-        stage = builder.AddNamedSystem("stage_rests", ConstantVectorSource(np.r_[self.placement.stage, np.zeros(3)]))
-        builder.Connect(stage.get_output_port(), robot.GetInputPort("stage_desired_state"))
-        for i in range(robot.num_output_ports()):
-            port = robot.get_output_port(i)
-            builder.ExportOutput(port, port.get_name())
-        diagram = builder.Build()
-        diagram.set_name(self.name)
-        return diagram
+        robot = PickRobot(Workcell(self._config), self._cad, picker, self._X_CO_initial, film=s.film, tracker=s.tracker)
+        rest = np.r_[self.placement.stage, np.zeros(3)]
+        return self.fed(robot, {"stage_desired_state": ConstantVectorSource(rest)})
 
     def channels(self):
         return [

@@ -20,6 +20,7 @@ from vipr.scenarios.servoing import (
     joints_for,
     stage_and_fingers,
 )
+from vipr.scenarios.settings import require_within
 from vipr.scenarios.shown_place import ShownPlace, load_shown_place
 from vipr.systems import se3
 from vipr.systems.arm import puma560
@@ -46,7 +47,7 @@ class PlaceSettings(ServoingSettings):
 
     def __post_init__(self):
         super().__post_init__()
-        self.require_within(duration_s=(1, 600), place=(0, 10**6), grip_m=(0, 0.1), start_turn_deg=(0, 120))
+        require_within(self, duration_s=(1, 600), place=(0, 10**6), grip_m=(0, 0.1), start_turn_deg=(0, 120))
 
 
 class PlaceByShowing(ServoScenario):

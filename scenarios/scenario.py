@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.systems.framework import Context, Diagram
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, LeafSystem
 
 from vipr.systems.recording.channels import Channel
 from vipr.systems.recording.history import History
@@ -50,6 +50,20 @@ class Scenario(ABC):
     @abstractmethod
     def build(self) -> Diagram:
         """The robot; every channel's port is exported under the channel's name."""
+
+    def fed(self, robot: Diagram, sources: dict[str, LeafSystem]) -> Diagram:
+        """The robot with its open inputs fed, by their names, and each of its outputs exported."""
+        builder = DiagramBuilder()
+        builder.AddNamedSystem("robot", robot)
+        for name, source in sources.items():
+            builder.AddNamedSystem(f"{name}_source", source)
+            builder.Connect(source.get_output_port(), robot.GetInputPort(name))
+        for i in range(robot.num_output_ports()):
+            port = robot.get_output_port(i)
+            builder.ExportOutput(port, port.get_name())
+        diagram = builder.Build()
+        diagram.set_name(self.name)
+        return diagram
 
     @abstractmethod
     def channels(self) -> list[Channel]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
-from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
+from pydrake.systems.framework import Diagram, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource, TrajectorySource
 from pydrake.trajectories import Trajectory
 
@@ -15,7 +15,7 @@ from vipr.diagrams.workcell import Workcell, WorkcellConfig, puma_with_hand
 from vipr.models import model_path, object_names
 from vipr.scenarios.calibration import CameraKnowledge
 from vipr.scenarios.scenario import Outcome, Scenario
-from vipr.scenarios.settings import ONE_OF
+from vipr.scenarios.settings import ONE_OF, require_one_of, require_within
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.camera.imperfections import Imperfection
@@ -62,18 +62,11 @@ class ServoingSettings:
     max_error_deg: float = 0.5
 
     def __post_init__(self):
-        if self.object not in object_names():
-            raise InputError(f"unknown object {self.object!r}; there are: {', '.join(object_names())}")
-        self.require_within(
-            supersampling=(1, 4), delay_frames=(0, 25), start_offset_m=(0, 0.3), initial_error_mm=(0, 500)
+        require_one_of("object", self.object, object_names())
+        require_within(
+            self, supersampling=(1, 4), delay_frames=(0, 25), start_offset_m=(0, 0.3), initial_error_mm=(0, 500)
         )
-        self.require_within(initial_error_deg=(0, 180), max_error_mm=(0, 1000), max_error_deg=(0, 180))
-
-    def require_within(self, **ranges: tuple[float, float]) -> None:
-        """InputError unless each setting is a number within its range."""
-        for name, (least, most) in ranges.items():
-            if not least <= getattr(self, name) <= most:
-                raise InputError(f"{name} must be {least:g} to {most:g}, got {getattr(self, name)}")
+        require_within(self, initial_error_deg=(0, 180), max_error_mm=(0, 1000), max_error_deg=(0, 180))
 
 
 class ServoScenario(Scenario):
@@ -131,31 +124,20 @@ class ServoScenario(Scenario):
     def build(self) -> Diagram:
         s = self.settings
         self.require_stable()
-        builder = DiagramBuilder()
-        robot = builder.AddNamedSystem(
-            "robot",
-            ServoRobot(
-                Workcell(self.config),
-                self.cad,
-                self.X_CO_initial,
-                self.task(),
-                self.referee(),
-                lens=self.lens,
-                tracker=s.tracker,
-                law=s.servo,
-                motion=s.target,
-                workspace=WORKSPACE,
-                schedule=self.schedule,
-            ),
+        robot = ServoRobot(
+            Workcell(self.config),
+            self.cad,
+            self.X_CO_initial,
+            self.task(),
+            self.referee(),
+            lens=self.lens,
+            tracker=s.tracker,
+            law=s.servo,
+            motion=s.target,
+            workspace=WORKSPACE,
+            schedule=self.schedule,
         )
-        for name, value in stage_and_fingers(self.motion, self._fingers).items():
-            builder.Connect(builder.AddSystem(value).get_output_port(), robot.GetInputPort(name))
-        for i in range(robot.num_output_ports()):
-            port = robot.get_output_port(i)
-            builder.ExportOutput(port, port.get_name())
-        diagram = builder.Build()
-        diagram.set_name(self.name)
-        return diagram
+        return self.fed(robot, stage_and_fingers(self.motion, self._fingers))
 
     def channels(self):
         return [

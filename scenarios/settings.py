@@ -8,6 +8,7 @@ Where a setting is one of several dataclasses (``servo: Annotated[ServoLaw, ONE_
 
 import dataclasses
 import difflib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -44,6 +45,19 @@ def load_settings(schema: type, path: Path | None, overrides: list[str] = ()) ->
 def as_dict(settings: Any) -> dict:
     """The settings as plain nested dictionaries, for a summary."""
     return TypeAdapter(type(settings)).dump_python(settings, mode="json")
+
+
+def require_within(settings: Any, **ranges: tuple[float, float]) -> None:
+    """InputError unless each of these settings is a number within its range, the ends included."""
+    for name, (least, most) in ranges.items():
+        if not least <= getattr(settings, name) <= most:
+            raise InputError(f"{name} must be {least:g} to {most:g}, got {getattr(settings, name)}")
+
+
+def require_one_of(what: str, given: str, allowed: Iterable[str]) -> None:
+    """InputError unless what is given is among the allowed."""
+    if given not in allowed:
+        raise InputError(f"unknown {what} {given!r}; there are: {', '.join(allowed)}")
 
 
 def _set(values: dict, override: str) -> None:

@@ -11,6 +11,7 @@ from pydrake.trajectories import PiecewisePolynomial
 from vipr.diagrams.hand_bench import HandBench, HandBenchConfig
 from vipr.models import model_path, object_names
 from vipr.scenarios.scenario import Outcome, Scenario
+from vipr.scenarios.settings import require_one_of, require_within
 from vipr.systems import se3
 from vipr.systems.camera.camera import Camera
 from vipr.systems.camera.lens import Lens
@@ -43,14 +44,12 @@ class TorqueSwitchSettings:
     time_step_s: float = 0.002
 
     def __post_init__(self):
-        if self.object not in object_names():
-            raise InputError(f"torque_switch: unknown object {self.object!r}; there are: {', '.join(object_names())}")
+        require_one_of("object", self.object, object_names())
+        require_within(self, time_step_s=(1e-4, 0.01))
         if not 0 < self.torque_nm <= 1.8:
             raise InputError(f"torque_switch: torque_nm must be above 0 and at most 1.8, got {self.torque_nm}")
         if not 0 < self.break_away_nm:
             raise InputError(f"torque_switch: break_away_nm must be positive, got {self.break_away_nm}")
-        if not 1e-4 <= self.time_step_s <= 0.01:
-            raise InputError(f"torque_switch: time_step_s must be 0.0001 to 0.01, got {self.time_step_s}")
 
 
 class TorqueSwitch(Scenario):
