@@ -13,7 +13,7 @@ from vipr.diagrams.servo_loop import workcell_loop
 from vipr.diagrams.servo_robot import Schedule, ServoRobot
 from vipr.diagrams.workcell import Workcell, WorkcellConfig, puma_with_hand
 from vipr.models import model_path, object_names
-from vipr.scenarios.calibration import CameraKnowledge
+from vipr.scenarios.camera_knowledge import CameraKnowledge
 from vipr.scenarios.scenario import Outcome, Scenario
 from vipr.scenarios.settings import ONE_OF, require_one_of, require_within
 from vipr.systems import se3

@@ -8,8 +8,8 @@ import numpy as np
 
 from vipr.models import model_path
 from vipr.scenarios.bench.tables import Table, chosen_parts
-from vipr.scenarios.calibration_run import calibrate_images, errors
-from vipr.scenarios.calibration_views import simulate_views
+from vipr.scenarios.calibrating.estimate import calibrate_images, errors
+from vipr.scenarios.calibrating.views import simulate_views
 from vipr.systems.calibration.board import load_board
 
 NAMES = ("fx px", "fy px", "cx px", "cy px", "x mm", "y mm", "z mm", "rx deg", "ry deg", "rz deg")

@@ -38,8 +38,8 @@ def calibrate(
     from rich.console import Console
 
     from vipr.models import model_path
-    from vipr.scenarios.calibration_run import calibrate_images, lines, summary, write
-    from vipr.scenarios.calibration_views import simulate_views
+    from vipr.scenarios.calibrating.estimate import calibrate_images, lines, summary, write
+    from vipr.scenarios.calibrating.views import simulate_views
     from vipr.scenarios.command.output import output_folder
     from vipr.systems.calibration.board import load_board
     from vipr.systems.calibration.bundle import ArmAccuracy

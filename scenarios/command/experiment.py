@@ -47,7 +47,7 @@ def graffiti(
     from vipr.scenarios.command.output import output_folder
     from vipr.scenarios.experiments.films import cache_folder, film
     from vipr.scenarios.experiments.graffiti import ROWS, WRITERS, drawings, sittings, table_two
-    from vipr.scenarios.gesture_pictures import confusion_picture
+    from vipr.scenarios.experiments.pictures import confusion_picture
 
     _check(camera)
     folder, kept = output_folder(out), cache_folder(cache)
@@ -121,7 +121,7 @@ def instructions(
     from vipr.scenarios.command.output import output_folder
     from vipr.scenarios.experiments import instruction_trial as trial
     from vipr.scenarios.experiments.films import cache_folder, film
-    from vipr.scenarios.gesture_pictures import confusion_picture, rejection_picture
+    from vipr.scenarios.experiments.pictures import confusion_picture, rejection_picture
     from vipr.systems.errors import InputError
     from vipr.systems.gestures.model_file import save_model
 

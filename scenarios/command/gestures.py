@@ -40,7 +40,7 @@ def train(
     seed: SeedOption = 0,
 ) -> None:
     """Train a model of the gestures in a table and write it to a file."""
-    from vipr.scenarios.gesture_evaluation import select
+    from vipr.scenarios.experiments.evaluation import select
     from vipr.systems.errors import InputError
     from vipr.systems.gestures.model_file import save_model
     from vipr.systems.gestures.tables import read_table
@@ -102,8 +102,8 @@ def evaluate(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Recognition rate on sequences of writers (or at random) held out of training."""
-    from vipr.scenarios.gesture_evaluation import cross_validate, select, train_and_test
-    from vipr.scenarios.gesture_evaluation import split as fold_of
+    from vipr.scenarios.experiments.evaluation import cross_validate, select, train_and_test
+    from vipr.scenarios.experiments.evaluation import split as fold_of
     from vipr.systems.gestures.tables import read_table
 
     make = _maker(models, states, seed, None)
@@ -126,7 +126,7 @@ def evaluate(
     }
     summary |= result.summary()
     if picture is not None:
-        from vipr.scenarios.gesture_pictures import confusion_picture
+        from vipr.scenarios.experiments.pictures import confusion_picture
 
         confusion_picture(result.truth, result.answer, picture, f"{data.name}: {summary['accuracy_percent']:.2f} %")
     if as_json:
@@ -154,7 +154,7 @@ def _print(summary):
 
 def _maker(models, states, seed, garbage):
     """A function that builds the classifier asked for."""
-    from vipr.scenarios.gesture_evaluation import classifier
+    from vipr.scenarios.experiments.evaluation import classifier
     from vipr.systems.errors import InputError
     from vipr.systems.gestures.classifier import STREAMS
 

@@ -32,7 +32,7 @@ def hands(
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     from vipr.scenarios.command.output import output_folder
-    from vipr.scenarios.people_video import follow_video
+    from vipr.scenarios.people.clip import follow_video
     from vipr.systems.camera.video_frames import open_camera, open_images, open_video
     from vipr.systems.errors import InputError
     from vipr.systems.skin.classifier import SkinOptions

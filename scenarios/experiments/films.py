@@ -144,7 +144,7 @@ def _read(file):
 
 def _rendered(paths, seed, tick):
     os.environ.setdefault("LP_NUM_THREADS", "1")  # of the software renderer: pictures are small, films run side by side
-    from vipr.scenarios.living_room_film import film_gestures
+    from vipr.scenarios.people.film import film_gestures
 
     films = []
     for film in film_gestures([_greeting(), *paths], seed=seed, truth=False):
@@ -157,7 +157,7 @@ def _rendered(paths, seed, tick):
 
 def _greeting():
     """Both hands move about for 2.4 s before a sitting begins: the tracker learns skin, room and hands."""
-    from vipr.scenarios.person_motion import HandPaths
+    from vipr.scenarios.people.motion import HandPaths
 
     turn = np.linspace(0.0, 4.0 * np.pi, 60)
     wave = np.column_stack([np.full(60, 0.36), 0.12 * np.sin(turn), 0.1 * np.cos(turn) - 0.2])
@@ -167,7 +167,7 @@ def _greeting():
 def _stand_in(paths, seed, tick):
     """A camera in name only: hands projected from 2.1 m, each seen with 1 px of noise, nothing hidden."""
     from vipr.models.person.generate import BODIES
-    from vipr.scenarios.person_motion import rest
+    from vipr.scenarios.people.motion import rest
 
     rng = np.random.default_rng(seed)
     body = BODIES[str(rng.choice(list(BODIES)))]

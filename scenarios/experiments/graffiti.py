@@ -5,9 +5,9 @@ from itertools import product
 
 import numpy as np
 
+from vipr.scenarios.experiments.evaluation import Evaluation, classifier, cross_validate, train_and_test
 from vipr.scenarios.experiments.films import HOLD, RATE, Reel, Sitting
 from vipr.scenarios.experiments.writers import Writer, draw, graffiti
-from vipr.scenarios.gesture_evaluation import Evaluation, classifier, cross_validate, train_and_test
 from vipr.systems.gestures.segmentation import segment
 from vipr.systems.gestures.tables import GestureTable
 from vipr.systems.gestures.trajectories import Trajectory
@@ -18,7 +18,7 @@ FACE = 13.0  # px, a face at the camera's distance
 
 def sittings(seed: int, camera: str, rounds: int | None = None) -> list[Sitting]:
     """What the five writers are to draw, a sitting an alphabet: 2230 letters, or ``rounds`` alphabets a writer."""
-    from vipr.scenarios.person_motion import HandPaths, plane_path
+    from vipr.scenarios.people.motion import HandPaths, plane_path
 
     letters = graffiti()
     wanted = SEQUENCES // WRITERS if rounds is None else rounds * len(letters)

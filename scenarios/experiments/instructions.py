@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vipr.scenarios.experiments.writers import along, timed, tremble
-from vipr.scenarios.person_motion import HandPaths, rest, smooth_noise
+from vipr.scenarios.people.motion import HandPaths, rest, smooth_noise
 
 HOME = np.array([0.21, -0.24])  # of the left hand; the right hand's is its mirror image
 FORWARD = 0.36  # m before the shoulders

@@ -9,7 +9,7 @@ import yaml
 from vipr.diagrams.workcell import fixed_camera
 from vipr.models import model_path
 from vipr.scenarios.align import Align, AlignSettings
-from vipr.scenarios.calibration import CameraKnowledge
+from vipr.scenarios.camera_knowledge import CameraKnowledge
 from vipr.scenarios.settings import load_settings
 from vipr.systems import se3
 from vipr.systems.camera.lens import load_lens, save_lens

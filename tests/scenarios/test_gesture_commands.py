@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vipr.scenarios.command import main
-from vipr.scenarios.gesture_evaluation import confusion, select, split
+from vipr.scenarios.experiments.evaluation import confusion, select, split
 from vipr.systems.errors import InputError
 from vipr.systems.gestures.tables import GestureTable, write_table
 from vipr.systems.gestures.trajectories import Trajectory

@@ -9,7 +9,7 @@ import pytest
 from drawn_people import FACE, waving
 
 from vipr.scenarios.command import main
-from vipr.scenarios.people_video import COLUMNS, follow_video
+from vipr.scenarios.people.clip import COLUMNS, follow_video
 from vipr.systems.camera.video_frames import FrameSource, open_video
 from vipr.systems.errors import InputError
 from vipr.systems.recording.video import VideoWriter

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from vipr.scenarios.bench.tables import Table
-from vipr.scenarios.gesture_evaluation import classifier, cross_validate, select, split
+from vipr.scenarios.experiments.evaluation import classifier, cross_validate, select, split
 from vipr.systems.gestures.tables import read_table
 
 MOST = 8  # sequences of a writer and class

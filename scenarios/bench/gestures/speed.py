@@ -7,8 +7,8 @@ import numpy as np
 
 from vipr.scenarios.bench.gestures.reference import as_hmmlearn
 from vipr.scenarios.bench.tables import Table
+from vipr.scenarios.experiments.evaluation import classifier
 from vipr.scenarios.experiments.writers import Writer, draw, graffiti
-from vipr.scenarios.gesture_evaluation import classifier
 from vipr.systems.gestures.classifier import STREAMS
 from vipr.systems.gestures.hmm import score
 from vipr.systems.gestures.training import HmmSpec, train

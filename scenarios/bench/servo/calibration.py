@@ -8,7 +8,7 @@ from vipr.scenarios.align import Align, AlignSettings
 from vipr.scenarios.bench.servo.starts import placing, rms
 from vipr.scenarios.bench.servo.trial import LAWS, Bench, Setting, fly
 from vipr.scenarios.bench.tables import Table
-from vipr.scenarios.calibration import CameraKnowledge
+from vipr.scenarios.camera_knowledge import CameraKnowledge
 from vipr.scenarios.place_by_showing import PlaceSettings
 
 FOCAL, SHIFT_MM, TURN_DEG = 10.0, 50.0, 5.0

@@ -6,8 +6,8 @@ from pydrake.systems.analysis import Simulator
 
 from vipr.diagrams.living_room import SKIN_TONES, CameraPlace, LivingRoom, Look, random_look
 from vipr.models.person.generate import BODIES
-from vipr.scenarios.living_room_film import Studio, film_gestures
-from vipr.scenarios.person_motion import HandPaths, joint_positions, plane_path, rest
+from vipr.scenarios.people.film import Studio, film_gestures
+from vipr.scenarios.people.motion import HandPaths, joint_positions, plane_path, rest
 from vipr.systems.errors import InputError
 from vipr.systems.hands.label_truth import FACE, LEFT, RIGHT, tracks_from_labels
 from vipr.systems.signals import CameraFrame, HandTracks

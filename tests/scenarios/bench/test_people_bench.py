@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from vipr.scenarios.bench.people import run
-from vipr.scenarios.bench.people_clips import score_clip
-from vipr.scenarios.bench.people_pixels import scores
-from vipr.scenarios.bench.people_rooms import BOOTSTRAP, RoomResult, judge, names_after_parting, summarise
-from vipr.scenarios.people_scenes import KINDS, light_program, random_scene
+from vipr.scenarios.bench.people.clips import score_clip
+from vipr.scenarios.bench.people.pixels import scores
+from vipr.scenarios.bench.people.rooms import BOOTSTRAP, RoomResult, judge, names_after_parting, summarise
+from vipr.scenarios.people.scenes import KINDS, light_program, random_scene
 from vipr.systems.errors import InputError
 from vipr.systems.signals import HandTracks
 

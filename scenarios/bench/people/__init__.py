@@ -1,33 +1,20 @@
 """``vipr bench people``: Table I row by row, rendered rooms, light, real clips, skin pixels."""
 
-import time
 from collections.abc import Callable, Iterator
-from importlib.util import find_spec
 from pathlib import Path
 
-import cv2
 import numpy as np
 
-from vipr.scenarios.bench.people_clips import FACE_TOLERANCE, HAND_TOLERANCE, run_clips
-from vipr.scenarios.bench.people_pixels import classifiers, photographs, room_pixels, scores, uci_pixels
-from vipr.scenarios.bench.people_rooms import expose, film, judge, shots, summarise
+from vipr.scenarios.bench.people.clips import FACE_TOLERANCE, HAND_TOLERANCE, run_clips
+from vipr.scenarios.bench.people.pixels import classifiers, photographs, room_pixels, scores, uci_pixels
+from vipr.scenarios.bench.people.rooms import expose, film, judge, shots, summarise
+from vipr.scenarios.bench.people.time import time_table
 from vipr.scenarios.bench.tables import Table, chosen_parts
-from vipr.scenarios.people_scenes import light_program, random_scene
-from vipr.systems.camera.video_frames import open_video
+from vipr.scenarios.people.scenes import light_program, random_scene
 from vipr.systems.errors import InputError
-from vipr.systems.hands import kalman
 from vipr.systems.hands.parts import PARTS
-from vipr.systems.hands.pipeline import PeopleBelief, see_people
-from vipr.systems.recording.video import VideoWriter
 from vipr.systems.skin.classifier import SkinOptions
 
-SIZES = ((160, 120), (320, 240), (640, 480), (1280, 720))
-REDUCED = (1280, 720, "1280x720, reduced")  # as the chain does unless told otherwise
-WARM_UP = 10  # frames that are not timed
-PAPER_MS = {"retrieval": 4.3, "segmentation": 0.6, "density": 2.1, "components": 2.1, "Kalman": 0.3}
-ROWS = (
-    "retrieval", "segmentation", "density", "components", "Kalman", "light", "motion", "description", "learning", "tracking", "reduction",
-)  # fmt: skip
 VARIANTS = {
     "full chain": SkinOptions(),
     "light not followed": SkinOptions(follow_light=False),
@@ -50,106 +37,19 @@ def run(
 ) -> Iterator[Table]:
     """The tables, one by one; ``data`` is the folder with video/, skin/ and images/."""
     chosen = chosen_parts("people", only, TABLES)
+    if data is None and {"clips", "pixels"} & set(only or ()):
+        raise InputError("bench people: clips and pixels need --data FOLDER with video/, skin/ and images/")
     if "time" in chosen:
         yield time_table(40 if quick else 120, progress)
     if "rooms" in chosen:
         yield from rooms_tables(10 if quick else 100, seed, progress)
     if "light" in chosen:
         yield light_table(2 if quick else 5, seed, progress)
-    if data is None and {"clips", "pixels"} & set(only or ()):
-        raise InputError("bench people: clips and pixels need --data FOLDER with video/, skin/ and images/")
     if "clips" in chosen and data is not None:
         progress("clips")
         yield clips_table(data, 200 if quick else None)
     if "pixels" in chosen:
         yield from pixel_tables(data, 1 if quick else 5, progress)
-
-
-def time_table(frames: int, progress) -> Table:
-    """Milliseconds a frame of each stage, median of frames of a rendered scene, worked at the full size given and reduced."""
-    columns = ("stage [ms a frame]", "paper, 160x120", *(f"{w}x{h}" for w, h in SIZES), REDUCED[2])
-    cells: dict[str, list[float]] = {row: [] for row in (*ROWS, "total")}
-    small = [image for image, _ in film(random_scene(1, seconds=frames / 25.0))]
-    for w, h, area in (*((w, h, w * h) for w, h in SIZES), (*REDUCED[:2], SkinOptions().working_area)):
-        progress(f"time at {w}x{h}")
-        images = [
-            image if (w, h) == (160, 120) else cv2.resize(image, (w, h), interpolation=cv2.INTER_CUBIC)
-            for image in small
-        ]
-        watch, options = _Stopwatch(), SkinOptions(working_area=float(area))
-        belief = PeopleBelief()
-        for k, image in enumerate(images):
-            watch.start()
-            belief = see_people(image, k / 25.0, k, belief, options, watch)
-            if k >= WARM_UP:
-                watch.end_of_frame()
-        watch.spent["retrieval"] = _retrieval(images)
-        watch.spent["Kalman"] = [_kalman_time() for _ in range(50)]
-        for row in ROWS:
-            cells[row].append(1e3 * _usual(watch.spent.get(row, [0.0])))
-        cells["total"].append(sum(cells[row][-1] for row in ROWS if row != "Kalman"))
-    rows = [(row, PAPER_MS.get(row, 9.4 if row == "total" else float("nan")), *cells[row]) for row in (*ROWS, "total")]
-    note = (
-        "retrieval decodes H.264; segmentation is chromaticity and table; Kalman is three predictions and updates and part of tracking "
-        "(with assignment, merging, births); light, motion, description and learning are beyond the paper's chain. "
-        + ("" if find_spec("mediapipe") else "MediaPipe is not installed: no comparison.")
-    )
-    return Table("Table I: time of each stage", columns, rows, note)
-
-
-def _usual(spent: list[float]) -> float:
-    """Median of the times that were spent, times the share of frames in which any was (learning is done ten times a second)."""
-    busy = [t for t in spent if t > 0]
-    return float(np.median(busy)) * len(busy) / len(spent) if busy else 0.0
-
-
-class _Stopwatch:
-    """The time between marks of every frame, by the name of the mark that ends it [s]."""
-
-    def __init__(self):
-        self.spent: dict[str, list[float]] = {}
-        self._frame, self._last = {}, 0.0
-
-    def start(self) -> None:
-        """A frame begins."""
-        self._frame, self._last = {}, time.perf_counter()
-
-    def __call__(self, name: str) -> None:
-        now = time.perf_counter()
-        self._frame[name] = self._frame.get(name, 0.0) + now - self._last
-        self._last = time.perf_counter()
-
-    def end_of_frame(self) -> None:
-        """Keep this frame's times; learning is not done in every frame."""
-        for name in {*self._frame, "learning"}:
-            self.spent.setdefault(name, []).append(self._frame.get(name, 0.0))
-
-
-def _retrieval(images: list[np.ndarray]) -> list[float]:
-    """Times [s] to decode each image from an H.264 file."""
-    import tempfile
-
-    spent = []
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "clip.mp4"
-        with VideoWriter(path, fps=25) as video:
-            for image in images:
-                video.write(image)
-        frames = iter(open_video(path).frames)
-        next(frames)
-        while True:
-            begin = time.perf_counter()
-            if next(frames, None) is None:
-                return spent
-            spent.append(time.perf_counter() - begin)
-
-
-def _kalman_time() -> float:
-    tracks = [kalman.start(10.0 * k, 5.0, 0.8, 60.0) for k in range(3)]
-    begin = time.perf_counter()
-    for k in tracks:
-        kalman.update(kalman.predict(k, 0.04, 2600.0), 12.0, 6.0, 0.8)
-    return time.perf_counter() - begin
 
 
 def rooms_tables(scenes: int, seed: int, progress) -> Iterator[Table]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from vipr.diagrams.living_room import CameraPlace, Look, random_look
 from vipr.models.person.generate import BODIES, Body
-from vipr.scenarios.person_motion import HandPaths, rest
+from vipr.scenarios.people.motion import HandPaths, rest
 from vipr.systems.camera.illumination import WHITE_KELVIN
 
 RATE = 25.0  # frames/s

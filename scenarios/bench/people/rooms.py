@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import binary_dilation
 
-from vipr.scenarios.living_room_film import PARTS, TrackTable, studio
-from vipr.scenarios.people_scenes import Scene
-from vipr.scenarios.person_motion import joint_positions
+from vipr.scenarios.people.film import PARTS, TrackTable, studio
+from vipr.scenarios.people.motion import joint_positions
+from vipr.scenarios.people.scenes import Scene
 from vipr.systems.camera.illumination import illuminate
 from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
 from vipr.systems.hands.label_truth import LEFT, RIGHT, tracks_from_labels

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vipr.scenarios.gesture_evaluation import confusion
+from vipr.scenarios.experiments.evaluation import confusion
 
 
 def confusion_picture(truth: np.ndarray, answer: np.ndarray, path: Path, title: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from vipr.diagrams.living_room import CameraPlace, LivingRoom, Look, random_look
 from vipr.models.person.generate import BODIES
-from vipr.scenarios.person_motion import HandPaths, joint_positions, rest
+from vipr.scenarios.people.motion import HandPaths, joint_positions, rest
 from vipr.systems.camera.illumination import WHITE_KELVIN, illuminate
 from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
 from vipr.systems.hands.label_truth import tracks_from_labels

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 
 from vipr.diagrams.living_room import ROOM_LABEL
-from vipr.scenarios.bench.people_rooms import film
-from vipr.scenarios.people_scenes import random_scene
+from vipr.scenarios.bench.people.rooms import film
+from vipr.scenarios.people.scenes import random_scene
 from vipr.systems.skin.chain import SkinBelief, see_skin
 from vipr.systems.skin.chromaticity import chromaticity, lookup
 from vipr.systems.skin.classifier import SkinOptions, classify

@@ -5,8 +5,8 @@ import pytest
 
 from vipr.models.person.generate import BODIES
 from vipr.scenarios.experiments.films import _greeting
-from vipr.scenarios.living_room_film import SIDES, STRIDE, _led_in, film_gestures
-from vipr.scenarios.person_motion import HandPaths, rest
+from vipr.scenarios.people.film import SIDES, STRIDE, _led_in, film_gestures
+from vipr.scenarios.people.motion import HandPaths, rest
 
 BODY = BODIES["medium"]
 HIGH = np.tile([0.36, -0.3, 0.1], (5, 1))

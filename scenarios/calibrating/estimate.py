@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from vipr.diagrams.workcell import STAGE
-from vipr.scenarios.calibration_views import Truth
+from vipr.scenarios.calibrating.views import Truth
 from vipr.systems import se3
 from vipr.systems.calibration.board import Board, find_board
 from vipr.systems.calibration.bundle import ArmAccuracy

@@ -1,0 +1,1 @@
+"""Calibrating a camera: views of a board, simulated or recorded, and the estimate made of them."""
