@@ -7,6 +7,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from vipr.diagrams.workcell import Workcell
 from vipr.systems.arm.commander import ArmCommander
+from vipr.systems.camera.lens import Lens
 from vipr.systems.grasping.pick import Picker
 from vipr.systems.grasping.task import PickTask
 from vipr.systems.tracking.annotator import PoseAnnotator
@@ -83,7 +84,8 @@ class PickRobot(Diagram):
         truth    |0 keeps the truth of the exposure, 38 compares
 
     Frames: W world, C camera, O object, E hand (see ``Workcell``). The arm's way is checked against collisions when it is planned; the
-    commander keeps the joint limits. ``tracking_error`` is against truth and reaches no controller.
+    commander keeps the joint limits. ``lens`` is the lens that the robot believes in (the real one if not given). ``tracking_error`` is
+    against truth and reaches no controller.
     """
 
     def __init__(
@@ -93,18 +95,20 @@ class PickRobot(Diagram):
         picker: Picker,
         X_CO_initial: np.ndarray,
         *,
+        lens: Lens | None = None,
         film: bool = True,
         tracker: TrackerSettings = TrackerSettings(),
         schedule: Schedule = Schedule(),
     ):
         super().__init__()
         config = workcell.config
+        lens = config.lens if lens is None else lens
         self.schedule = schedule.rows()
         builder = DiagramBuilder()
         cell = builder.AddNamedSystem("workcell", workcell)
         seeing = builder.AddNamedSystem(
             "tracker",
-            ModelTracker(model, config.lens, settings=tracker, period=schedule.camera, offset=schedule.tracker_offset),
+            ModelTracker(model, lens, settings=tracker, period=schedule.camera, offset=schedule.tracker_offset),
         )
         task = builder.AddNamedSystem(
             "task", PickTask(picker, X_CO_initial, period=schedule.task, offset=schedule.task_offset)
@@ -115,7 +119,7 @@ class PickRobot(Diagram):
                 workcell.arm, workcell.joint_limits, config.q_initial, period=schedule.arm, offset=schedule.arm_offset
             ),
         )
-        annotator = builder.AddNamedSystem("annotator", PoseAnnotator(model, config.lens))
+        annotator = builder.AddNamedSystem("annotator", PoseAnnotator(model, lens))
         error = builder.AddNamedSystem(
             "tracking_error", TrackingError(period=schedule.camera, judge_offset=schedule.judge_offset)
         )

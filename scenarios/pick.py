@@ -10,6 +10,7 @@ from pydrake.systems.primitives import ConstantVectorSource
 from vipr.diagrams.pick import PickRobot
 from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed_camera
 from vipr.models import model_path, object_names
+from vipr.scenarios.camera_knowledge import CameraKnowledge
 from vipr.scenarios.placements import LIES, LOOKING, Placement, around, check, random_placement, ways_to_lie
 from vipr.scenarios.scenario import Outcome, Scenario
 from vipr.scenarios.settings import require_one_of, require_within
@@ -56,6 +57,7 @@ class PickScenarioSettings:
     camera: Imperfection = Imperfection()
     supersampling: int = 1  # of the rendering, 1 to 4
     tracker: TrackerSettings = TrackerSettings()
+    calibration: CameraKnowledge = CameraKnowledge()  # what the robot believes of its camera
     pick: PickSettings = PickSettings()
     hand: Drives = GRASPING
     contact_model: str = CONTACT_MODELS[0]
@@ -100,6 +102,7 @@ class Pick(Scenario):
             seed=seed,
             time_step=s.time_step_s,
         )
+        self._lens, self._X_WC = s.calibration.believed(self._config.lens, X_WC, seed)
         X_CO = se3.inverse(X_WC) @ self.placement.X_WO
         R_error = se3.exp_so3(_direction(rng) * np.deg2rad(s.initial_error_deg))
         error = np.r_[np.deg2rad(s.pose_error_deg) * _direction(rng), 1e-3 * s.pose_error_mm * _direction(rng)]
@@ -130,8 +133,16 @@ class Pick(Scenario):
         s = self.settings
         surroundings = around(self.placement.stage, JOINT_LIMITS, self._cad)
         table = best_only(self._table) if s.one_grasp else self._table
-        picker = Picker(table, surroundings, self._config.X_WC, s.pick, self._pose_error)
-        robot = PickRobot(Workcell(self._config), self._cad, picker, self._X_CO_initial, film=s.film, tracker=s.tracker)
+        picker = Picker(table, surroundings, self._X_WC, s.pick, self._pose_error)
+        robot = PickRobot(
+            Workcell(self._config),
+            self._cad,
+            picker,
+            self._X_CO_initial,
+            lens=self._lens,
+            film=s.film,
+            tracker=s.tracker,
+        )
         rest = np.r_[self.placement.stage, np.zeros(3)]
         return self.fed(robot, {"stage_desired_state": ConstantVectorSource(rest)})
 

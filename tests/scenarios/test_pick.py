@@ -38,6 +38,7 @@ def test_a_rice_box_is_picked_up_and_held(tmp_path):
         (["grasps=/nowhere.yaml"], "there is no file /nowhere.yaml"),
         (["pick.hold_s=-1"], "hold_s must be positive"),
         (["contact_model=jelly"], "unknown contact_model"),
+        (["calibration.folder=/nowhere"], "camera file /nowhere/camera.yaml: cannot be read"),
     ],
 )
 def test_what_cannot_be_done_is_refused_in_one_line_before_anything_moves(settings, message, tmp_path, capsys):
