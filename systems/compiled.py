@@ -5,7 +5,6 @@
 file only: here what is kept belongs to the sources of the whole stage, and any change in them compiles anew.
 """
 
-import hashlib
 import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +12,8 @@ from functools import cache
 from pathlib import Path
 
 from numba import config, njit
+
+from vipr.systems.sources import digest
 
 
 def compiled(function: Callable) -> Callable:
@@ -27,10 +28,8 @@ def compiled(function: Callable) -> Callable:
 @cache
 def folder_of(stage: Path) -> Path:
     """Where the compiled code of the modules in a folder is kept: named for what they, and the rigid motions, say now."""
-    sources = hashlib.sha256()
-    for path in sorted({*stage.glob("*.py"), Path(__file__).with_name("se3.py")}):
-        sources.update(path.read_bytes())
-    return stage / "__pycache__" / f"compiled-{sources.hexdigest()[:12]}"
+    sources = digest({*stage.glob("*.py"), Path(__file__).with_name("se3.py")})
+    return stage / "__pycache__" / f"compiled-{sources[:12]}"
 
 
 @contextmanager

@@ -46,7 +46,7 @@ def graffiti(
 
     from vipr.scenarios.command.output import output_folder
     from vipr.scenarios.experiments.films import cache_folder, film
-    from vipr.scenarios.experiments.graffiti import ROWS, WRITERS, drawings, sittings, table_two
+    from vipr.scenarios.experiments.graffiti import ROWS, WRITERS, by_writer, drawings, halves, sittings, table_two
     from vipr.scenarios.experiments.pictures import confusion_picture
 
     _check(camera)
@@ -63,11 +63,13 @@ def graffiti(
             at[0] = share
 
         results = table_two(table, seed, tick)
+    tested = {"known": table.writers[~halves(table, seed)], "unseen": table.writers}
     summary = {
         "experiment": "graffiti",
         "camera": camera,
         "sequences": len(table),
         "writers": WRITERS,
+        "trained_on": int(halves(table, seed).sum()),
         "seed": seed,
         "rows": {},
     }
@@ -85,7 +87,10 @@ def graffiti(
             "unseen_percent": unseen.accuracy(),
             "ms_per_gesture": ms,
         }
-        summary["rows"][row] = {k: None if v is None else round(v, 3) for k, v in values.items()}
+        summary["rows"][row] = {k: None if v is None else round(v, 3) for k, v in values.items()} | {
+            f"{kind}_percent_by_writer": {w: round(v, 3) for w, v in by_writer(result, tested[kind]).items()}
+            for kind, result in results[row].items()
+        }
         shown.add_row(
             text,
             "" if paper[row] is None else f"{paper[row]}",
@@ -100,6 +105,9 @@ def graffiti(
     console = Console()
     console.print(f"{len(table)} sequences of {WRITERS} writers, {_what(camera)}")
     console.print(shown)
+    for row in ("combined", "default"):
+        each = by_writer(results[row]["known"], tested["known"])
+        console.print(f"{ROWS[row]}, known: " + ", ".join(f"{w} {v:.1f} %" for w, v in each.items()))
 
 
 def instructions(

@@ -1,7 +1,7 @@
 """Drawings and gestures through the camera: rendered person, imperfect image, tracker of face and hands; kept on disk once made.
 
 A film is what the tracker reported, frame by frame. A reel is the films of one person in one sitting, filmed together and cached as
-one file.
+one file, which belongs to the code and the models that made it: after a change in them everything is filmed anew.
 """
 
 import hashlib
@@ -17,9 +17,17 @@ import numpy as np
 
 from vipr.systems.errors import InputError
 from vipr.systems.signals import HandTracks
+from vipr.systems.sources import digest_of_modules
 
 RATE = 25.0  # Hz
 HOLD = 6  # frames that the hands stay where a gesture ended
+MADE_BY = {  # camera: modules and packages that say what a film of it holds
+    "stand-in": (__name__, "vipr.scenarios.person_motion", "vipr.models.person"),
+    "rendered": (
+        __name__, "vipr.scenarios.person_motion", "vipr.scenarios.living_room_film", "vipr.diagrams.living_room",
+        "vipr.models.person", "vipr.models.living_room", "vipr.systems.camera", "vipr.systems.skin", "vipr.systems.hands",
+    ),
+}  # fmt: skip
 COLUMNS = ("positions", "seen", "merged", "areas", "lengths")
 
 
@@ -86,8 +94,9 @@ class Sitting:
 
     @property
     def file(self) -> str:
-        """Name of the file, with a hash of the paths, the person, the seed and the camera."""
-        digest = hashlib.sha256(f"3 {self.camera} {self.person} {self.seed}".encode())
+        """Name of the file, with a hash of the paths, the person, the seed, and the camera with all that it is made of."""
+        made_by = digest_of_modules(*MADE_BY[self.camera])
+        digest = hashlib.sha256(f"{made_by} {self.camera} {self.person} {self.seed}".encode())
         for path in self.paths:
             for hand in (path.right, path.left):
                 digest.update(b"-" if hand is None else np.round(hand, 6).tobytes())

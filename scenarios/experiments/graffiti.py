@@ -92,5 +92,10 @@ def table_two(table: GestureTable, seed: int, tick=lambda share: None) -> dict[s
     return results
 
 
+def by_writer(result: Evaluation, writers: np.ndarray) -> dict[str, float]:
+    """Percent right of each writer; ``writers`` (N,) of the sequences tested."""
+    return {str(w): result.accuracy(writers == w) for w in np.unique(writers)}
+
+
 def _stage(tick, start, part):
     return lambda share: tick(start + part * share)

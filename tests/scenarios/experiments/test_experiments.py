@@ -1,6 +1,8 @@
 """The experiments: writers and people by chance, films kept once made, verdicts; the camera only stood in for."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from vipr.scenarios.experiments import instruction_trial as trial
 from vipr.scenarios.experiments.films import RATE, film
 from vipr.scenarios.experiments.instructions import GARBAGE, LANGUAGE, POINTING, Person, idle, perform
 from vipr.scenarios.experiments.writers import Writer, draw, graffiti, timed
+from vipr.systems import sources
 
 
 def test_a_hand_slows_down_where_the_curve_turns():
@@ -72,6 +75,37 @@ def test_films_are_kept_once_made_and_go_on_where_they_stopped(tmp_path, counted
     (tmp_path / planned[0].file).write_bytes(b"half a f")
     film(planned[:1], tmp_path)
     assert len(counted) == 4
+
+
+def test_films_of_other_code_or_models_are_made_anew(tmp_path, monkeypatch, counted):
+    package = tmp_path / "a_tracker"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "mesh.obj").write_text("v 0 0 0\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(films.MADE_BY, "stand-in", (*films.MADE_BY["stand-in"], package.name))
+    planned = letters.sittings(1, "stand-in", rounds=1)[:1]
+    folder = films.cache_folder(tmp_path / "cache")
+    film(planned, folder)
+    sources.digest_of_modules.cache_clear()  # as in a new process
+    film(planned, folder)
+    assert len(counted) == 1
+    (package / "mesh.obj").write_text("v 0 0 1\n")
+    sources.digest_of_modules.cache_clear()
+    film(planned, folder)
+    assert len(counted) == 2
+
+
+def test_what_a_film_is_made_of_holds_all_that_filming_loads():
+    code = (  # every module of this package that filming and tracking import
+        "import sys, vipr.scenarios.living_room_film; "
+        "print(*(m for m in sys.modules if m.startswith('vipr.') and hasattr(sys.modules[m], '__file__')))"
+    )
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    known = films.MADE_BY["rendered"]
+    assert "vipr.systems.hands.tracks" in loaded
+    missing = {m for m in loaded if not any(m == k or m.startswith(f"{k}.") or k.startswith(f"{m}.") for k in known)}
+    assert missing <= {f"vipr.systems.{m}" for m in ("signals", "errors", "timing", "sources", "compiled")}
 
 
 def test_letters_are_cut_where_they_begin_and_end(tmp_path):
