@@ -105,9 +105,9 @@ def graffiti(
     console = Console()
     console.print(f"{len(table)} sequences of {WRITERS} writers, {_what(camera)}")
     console.print(shown)
-    for row in ("combined", "default"):
+    for row, text in ROWS.items():
         each = by_writer(results[row]["known"], tested["known"])
-        console.print(f"{ROWS[row]}, known: " + ", ".join(f"{w} {v:.1f} %" for w, v in each.items()))
+        console.print(f"{text}, known: " + ", ".join(f"{w} {v:.1f} %" for w, v in each.items()))
 
 
 def instructions(

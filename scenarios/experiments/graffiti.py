@@ -11,6 +11,7 @@ from vipr.scenarios.experiments.writers import Writer, draw, graffiti
 from vipr.systems.gestures.segmentation import segment
 from vipr.systems.gestures.tables import GestureTable
 from vipr.systems.gestures.trajectories import Trajectory
+from vipr.systems.gestures.writing_hand import writing_hand
 
 SEQUENCES, WRITERS = 2230, 5  # as in the paper
 FACE = 13.0  # px, a face at the camera's distance
@@ -39,7 +40,7 @@ def sittings(seed: int, camera: str, rounds: int | None = None) -> list[Sitting]
 
 
 def drawings(reels: list[Reel]) -> GestureTable:
-    """The letters as the camera saw them: positions of the right hand in pixels, y up; s.
+    """The letters as the camera saw them: positions of the hand that writes in pixels, y up; s.
 
     A drawing reaches from the start of the first to the end of the last of its movements, cut at pauses. Where none was cut (the hand
     was lost), what the tracker said between its bounds stands for it.
@@ -47,7 +48,7 @@ def drawings(reels: list[Reel]) -> GestureTable:
     trajectories = []
     for r in reels:
         for positions, (first, last) in zip(r.positions, r.bounds, strict=True):
-            hand = positions[:, 2] * (1.0, -1.0)
+            hand = FACE * writing_hand(positions[:, 1:] / FACE) * (1.0, -1.0)
             times = np.arange(len(hand)) / RATE
             found = [m for m in segment(times, hand / FACE) if m.times[0] < last / RATE and m.times[-1] > first / RATE]
             a, b = (found[0].times[0], found[-1].times[-1]) if found else (first / RATE, last / RATE)

@@ -161,6 +161,9 @@ def test_the_command_writes_table_two_and_its_pictures(tmp_path, capsys, monkeyp
     summary = json.loads(capsys.readouterr().out)
     assert summary["sequences"] == 260 and summary["camera"] == "stand-in"
     assert summary["rows"]["combined"]["known_percent"] > 90.0
+    each = summary["rows"]["combined"]["unseen_percent_by_writer"]
+    assert list(each) == [f"writer {k}" for k in range(1, 6)]
+    assert np.mean(list(each.values())) == pytest.approx(summary["rows"]["combined"]["unseen_percent"], abs=0.01)
     assert json.loads((tmp_path / "out" / "summary.json").read_text()) == summary
     assert (tmp_path / "out" / "confusion_combined_unseen.png").exists()
 
