@@ -22,9 +22,9 @@ from vipr.systems.sources import digest_of_modules
 RATE = 25.0  # Hz
 HOLD = 6  # frames that the hands stay where a gesture ended
 MADE_BY = {  # camera: modules and packages that say what a film of it holds
-    "stand-in": (__name__, "vipr.scenarios.person_motion", "vipr.models.person"),
+    "stand-in": (__name__, "vipr.scenarios.people.motion", "vipr.models.person"),
     "rendered": (
-        __name__, "vipr.scenarios.person_motion", "vipr.scenarios.living_room_film", "vipr.diagrams.living_room",
+        __name__, "vipr.scenarios.people.motion", "vipr.scenarios.people.film", "vipr.diagrams.living_room",
         "vipr.models.person", "vipr.models.living_room", "vipr.systems.camera", "vipr.systems.skin", "vipr.systems.hands",
     ),
 }  # fmt: skip

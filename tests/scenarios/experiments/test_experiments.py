@@ -98,7 +98,7 @@ def test_films_of_other_code_or_models_are_made_anew(tmp_path, monkeypatch, coun
 
 def test_what_a_film_is_made_of_holds_all_that_filming_loads():
     code = (  # every module of this package that filming and tracking import
-        "import sys, vipr.scenarios.living_room_film; "
+        "import sys, vipr.scenarios.people.film; "
         "print(*(m for m in sys.modules if m.startswith('vipr.') and hasattr(sys.modules[m], '__file__')))"
     )
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
