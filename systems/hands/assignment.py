@@ -69,7 +69,7 @@ def _price(
     cost += 3.0 * max(0.0, 0.5 - r.person)
     if name != "face":
         cost += 2.5 * max(0.0, 0.5 * t.life - r.moving)
-    return float(cost), gap < 2.5 * u and t.unseen < 0.3
+    return float(cost), gap < 2.5 * u and t.unseen < 0.1
 
 
 def _together(regions: list, deep: list[bool], names: list[str], tracks: dict, found: list[Candidate]) -> float:

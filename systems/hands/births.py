@@ -7,7 +7,7 @@ import numpy as np
 
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.measurement import body_of, hand_of, head_of
-from vipr.systems.hands.parts import HEAD, LOST_AFTER, Track, born, in_neck
+from vipr.systems.hands.parts import HEAD, LOST_AFTER, Track, born, in_neck, smallest_hand
 
 
 def give_birth(
@@ -21,7 +21,8 @@ def give_birth(
         if k is not None:
             r = free.pop(k)
             tracks["face"] = born("face", *head_of(r, labels, None, None), r, u)
-    free = _possible_hands(free, tracks.get("face"))
+    free = _possible_hands(free, tracks.get("face"), u)
+    free = [r for r in free if not _fragment(r, tracks, u)]
     tracks = _give_up_still_hands(tracks, free, tracks.get("face"))
     missing = [name for name in ("left", "right") if _missing(tracks, name)]
     for name, r in _cheapest_hands(missing, free[:3], tracks, labels.shape[1], u):
@@ -47,7 +48,7 @@ def _likeliest_head(free: list[Candidate], faceless: float) -> int | None:
     return k if r.headlike > enough and (r.person > 0.5 or topmost) else None
 
 
-def _possible_hands(free: list[Candidate], face: Track | None) -> list[Candidate]:
+def _possible_hands(free: list[Candidate], face: Track | None, u: float) -> list[Candidate]:
     """Regions that can be a hand or an arm, the most evident first."""
     if face is None:
         hands = [r for r in free if r.person > 0.5]
@@ -60,11 +61,39 @@ def _possible_hands(free: list[Candidate], face: Track | None) -> list[Candidate
             still = r.person <= 0.5 or r.moving < 0.1
             if neck or r.headlike > HEAD + 0.07 or (r.remnant and r.moving < 0.3) or (still and r.person < 0.28):
                 return False
-            size = 0.15 * face.area < r.area < (3.0 if still else 6.0) * face.area
+            size = smallest_hand(face, 0.15, u) < r.area < (3.0 if still else 6.0) * face.area
             return size and np.hypot(dx, dy) < 12.0 and (not still or _hangs(r, face))
 
         hands = [r for r in free if possible(r)]
     return sorted(hands, key=lambda r: -r.person * np.sqrt(r.area))
+
+
+def _fragment(r: Candidate, tracks: dict, u: float) -> bool:
+    """Whether a region is a piece of the arm or the fingers of a hand that is followed, broken off its region.
+
+    With a face, a piece is near that hand and far on that hand's side; without one, it is near and much smaller.
+    """
+    face = tracks.get("face")
+    for name in ("left", "right"):
+        t = tracks.get(name)
+        if t is None or t.unseen > 0 or t.hits <= 1:
+            continue
+        away = np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y)
+        if face is None:
+            piece = away < 4.0 * np.sqrt(t.area / np.pi) and r.area < 0.6 * t.area
+        else:
+            side = (r.centre[0] - face.filter.x) * (1.0 if name == "left" else -1.0)
+            piece = away < 1.6 * face.head_height and side > 0.4 * face.head_height
+        other = tracks.get("right" if name == "left" else "left")
+        if piece and not (other is not None and other.unseen < LOST_AFTER and _near(other, r, tracks)):
+            return True
+    return False
+
+
+def _near(t: Track, r: Candidate, tracks: dict) -> bool:
+    """Whether a region is within a head's height of where a part was."""
+    head = tracks["face"].head_height if "face" in tracks else 4.0 * np.sqrt(t.area / np.pi)
+    return bool(np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y) < head)
 
 
 def _hangs(r: Candidate, face: Track) -> bool:

@@ -11,6 +11,8 @@ from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.merging import measure_shared
 from vipr.systems.hands.parts import LOST_AFTER, SIGMA_N, Track, anew
 
+MISSED = 0.3  # of its velocity that a part keeps when it is missed: what ran away was mostly an error of the measurement before
+END_OF_ARM = 2.0  # times the noise of a centre, where only the end of a bare arm says where the hand is
 LIFE = 2.0  # s, in which the memory of having moved halves
 
 
@@ -20,7 +22,9 @@ def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, 
     for name, t in tracks.items():
         i = choice.get(name)
         if i is None:
-            out[name] = replace(t, unseen=t.unseen + dt, shared=False)
+            k = t.filter
+            slower = replace(k, vx=MISSED * k.vx, vy=MISSED * k.vy)
+            out[name] = replace(t, filter=slower, unseen=t.unseen + dt, shared=False)
             continue
         r = found[i]
         sharers = [other for other in tracks if choice.get(other) == i]
@@ -33,7 +37,8 @@ def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, 
         else:
             centre, area = hand_of(r, labels, motion, expected, body_of(tracks, name))
         far = np.hypot(*(centre - expected)) > (GATE[name][0] + GATE[name][1] * dt) * u
-        f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, SIGMA_N * u)
+        noise = SIGMA_N * u * (END_OF_ARM if name != "face" and area < 0.7 * r.area else 1.0)
+        f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, noise)
         rate = 0.15
         slow = 2.0 if r.cut else 1.0 if r.area > 1.7 * area else 0.25  # s
         look = t.headlike if r.remnant else t.headlike + (1 - np.exp(-dt / slow)) * (r.headlike - t.headlike)

@@ -61,3 +61,8 @@ def in_neck(r: Candidate, face: Track, still: float) -> bool:
     """Whether a region is where the neck and collar of the face are, and less than ``still`` of it moves."""
     dx, dy = (r.centre - face.position) / face.head_radius
     return bool(abs(dx) < 1.0 and 0.0 < dy < 3.6 and r.moving < still)
+
+
+def smallest_hand(face: Track, share: float, u: float) -> float:
+    """The area [px^2] from which a region beside the face can be a hand: a share of the face, little beside a face that fills the picture."""
+    return min(share * face.area, 600.0 * share * u * u)

@@ -19,10 +19,11 @@ from vipr.systems.hands.head_cut import cut_out_head
 from vipr.systems.hands.identities import settle_face, settle_sides
 from vipr.systems.hands.kalman import Kalman
 from vipr.systems.hands.measurement import measure
-from vipr.systems.hands.parts import PARTS, SIGMA_W, Track
+from vipr.systems.hands.parts import PARTS, SIGMA_W, Track, smallest_hand
 from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin.working_image import unit
 
+USUAL_HEAD = 8.0  # px, half the width of a head at 160 x 120, for which the noises of the parts are set
 CONFIRM = 2  # frames after which a new track is reported
 
 
@@ -52,14 +53,15 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
         belief = TracksBelief()
     u = unit(shape)
     dt = float(np.clip(regions.time - belief.output.time, 1e-3, 0.5)) if belief.output.number >= 0 else 0.04
-    tracks = {name: _predict(name, t, dt, u, shape) for name, t in belief.parts}
+    v = u * _closeness(dict(belief.parts).get("face"), u)
+    tracks = {name: _predict(name, t, dt, u if name == "face" else v, shape) for name, t in belief.parts}
     found = candidates(regions, tracks)
     face = tracks.get("face")
     if face is not None:  # nor is a speck a hand
-        tracks = {name: t for name, t in tracks.items() if t.area > (0.14 if t.life < 0.15 else 0.07) * face.area}
+        tracks = {n: t for n, t in tracks.items() if t.area > smallest_hand(face, 0.14 if t.life < 0.15 else 0.07, u)}
     labels, found = cut_out_head(face, found, regions, u)
-    choice = assign(tracks, found, labels, dt, u)
-    tracks = measure(tracks, choice, found, labels, regions.motion, dt, u)
+    choice = assign(tracks, found, labels, dt, v)
+    tracks = measure(tracks, choice, found, labels, regions.motion, dt, v)
     free = [r for i, r in enumerate(found) if i not in choice.values()]
     tracks = look_for_better_face(
         tracks, found[choice["face"]] if choice.get("face") is not None else None, free, labels, u
@@ -69,6 +71,11 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     tracks, rival, another = settle_face(tracks, free, labels, belief.rival, dt, u)
     tracks, order = settle_sides(tracks, 0.0 if another else belief.order, dt, u)  # sides are about the face
     return TracksBelief(tuple(tracks.items()), rival, order, faceless, _report(tracks, regions))
+
+
+def _closeness(face: Track | None, u: float) -> float:
+    """How many times nearer a person is than one whose hands move as the constants say: near the camera all moves by more pixels."""
+    return 1.0 if face is None else float(np.clip(face.head_radius / (USUAL_HEAD * u), 1.0, 2.5))
 
 
 def _predict(name: str, t: Track, dt: float, u: float, shape) -> Track:
