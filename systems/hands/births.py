@@ -22,13 +22,13 @@ def give_birth(
             r = free.pop(k)
             tracks["face"] = born("face", *head_of(r, labels, None, None), r, u)
     free = _possible_hands(free, tracks.get("face"), u)
-    free = [r for r in free if not _fragment(r, tracks, u)]
-    tracks = _give_up_still_hands(tracks, free, tracks.get("face"))
+    whole = [r for r in free if not _fragment(r, tracks, u)]
     missing = [name for name in ("left", "right") if _missing(tracks, name)]
-    for name, r in _cheapest_hands(missing, free[:3], tracks, labels.shape[1], u):
+    for name, r in _cheapest_hands(missing, whole[:3], tracks, labels.shape[1], u):
         centre, area = hand_of(r, labels, motion, None, body_of(tracks, name))
         tracks[name] = born(name, centre, area, r, u)
-    return tracks
+        free.remove(r)
+    return _give_up_still_hands(tracks, free, tracks.get("face"), u)
 
 
 def _missing(tracks: dict, name: str) -> bool:
@@ -62,7 +62,7 @@ def _possible_hands(free: list[Candidate], face: Track | None, u: float) -> list
             if neck or r.headlike > HEAD + 0.07 or (r.remnant and r.moving < 0.3) or (still and r.person < 0.28):
                 return False
             size = smallest_hand(face, 0.15, u) < r.area < (3.0 if still else 6.0) * face.area
-            return size and np.hypot(dx, dy) < 12.0 and (not still or _hangs(r, face))
+            return size and np.hypot(dx, dy) < 14.5 and (not still or _hangs(r, face))
 
         hands = [r for r in free if possible(r)]
     return sorted(hands, key=lambda r: -r.person * np.sqrt(r.area))
@@ -83,7 +83,7 @@ def _fragment(r: Candidate, tracks: dict, u: float) -> bool:
             piece = away < 4.0 * np.sqrt(t.area / np.pi) and r.area < 0.6 * t.area
         else:
             side = (r.centre[0] - face.filter.x) * (1.0 if name == "left" else -1.0)
-            piece = away < 1.6 * face.head_height and side > 0.4 * face.head_height
+            piece = r.area < t.area and away < 1.6 * face.head_height and side > 0.4 * face.head_height
         other = tracks.get("right" if name == "left" else "left")
         if piece and not (other is not None and other.unseen < LOST_AFTER and _near(other, r, tracks)):
             return True
@@ -100,7 +100,7 @@ def _hangs(r: Candidate, face: Track) -> bool:
     """Whether a still region is where a hanging arm or resting hand would be."""
     head = face.head_height
     across, down = abs(r.centre[0] - face.filter.x) / head, (r.centre[1] - face.filter.y) / head
-    return bool(0.4 < across < 2.0 and 1.5 < down < 4.5)
+    return bool(0.4 < across < 2.0 and 1.5 < down < 5.0)
 
 
 def _cheapest_hands(missing: list, free: list[Candidate], tracks: dict, width: int, u: float) -> list:
@@ -127,11 +127,10 @@ def _cheapest_hands(missing: list, free: list[Candidate], tracks: dict, width: i
     return chosen
 
 
-def _give_up_still_hands(tracks: dict, free: list[Candidate], face: Track | None) -> dict:
+def _give_up_still_hands(tracks: dict, free: list[Candidate], face: Track | None, u: float) -> dict:
     """Without the tracks of things that hardly move, as far as larger regions that do move belong to nobody."""
-    size = 0.2 * face.area if face is not None else 0.0
+    size = smallest_hand(face, 0.2, u) if face is not None else 0.0
     waiting = sorted((r.moving * np.sqrt(r.area) for r in free if r.moving > 0.3 and r.area > size), reverse=True)
-    waiting = waiting[sum(_missing(tracks, n) for n in ("left", "right")) :]
     held = {
         n: (t.life + 0.1) * np.sqrt(t.area) for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared
     }
