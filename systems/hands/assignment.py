@@ -7,7 +7,7 @@ import numpy as np
 
 from vipr.systems.hands import kalman
 from vipr.systems.hands.candidates import Candidate
-from vipr.systems.hands.parts import HEAD, LOST_AFTER, SIGMA_N, Track, in_neck
+from vipr.systems.hands.parts import HEAD, SIGMA_N, Track, in_neck
 
 GATE2 = 20.0  # squared Mahalanobis distance
 # px and px/s at 160 x 120: no part moves farther in a frame
@@ -16,6 +16,7 @@ GATE = {
     "left": (10.0, 350.0),
     "right": (10.0, 350.0),
 }
+COASTS = 0.3  # s unseen, for which a hand's own track looks for its region
 COST_UNSEEN, COST_SHARED = 14.0, 7.0
 
 
@@ -50,8 +51,8 @@ def _price(
     A merged or slender region's centre is far from its part: the nearer of centre and outline counts, at a price.
     """
     if name != "face":
-        if t.unseen > LOST_AFTER:
-            return math.inf, False  # lost hands come back by their side of the face (births)
+        if t.unseen > COASTS:
+            return math.inf, False  # it comes back by where it was and by its side of the face (births)
         if (r.core[2] < 1.35 * u or r.area < 0.3 * t.area) and not r.remnant:
             return math.inf, False  # a thin line is no hand, nor a speck
         if r.remnant and face is not None and in_neck(r, face, 0.15):

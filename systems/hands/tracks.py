@@ -19,7 +19,7 @@ from vipr.systems.hands.head_cut import cut_out_head
 from vipr.systems.hands.identities import settle_face, settle_sides
 from vipr.systems.hands.kalman import Kalman
 from vipr.systems.hands.measurement import measure
-from vipr.systems.hands.parts import PARTS, SIGMA_W, Track, smallest_hand
+from vipr.systems.hands.parts import LOST_AFTER, PARTS, SIGMA_W, Track, smallest_hand
 from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin.working_image import unit
 
@@ -59,7 +59,8 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     face = tracks.get("face")
     if face is not None:  # nor is a speck a hand
         tracks = {n: t for n, t in tracks.items() if t.area > smallest_hand(face, 0.14 if t.life < 0.15 else 0.07, u)}
-    labels, found = cut_out_head(face, found, regions, u)
+    missing = any(name not in tracks or tracks[name].unseen > LOST_AFTER for name in ("left", "right"))
+    labels, found = cut_out_head(face, found, regions, u, missing)
     choice = assign(tracks, found, labels, dt, v)
     tracks = measure(tracks, choice, found, labels, regions.motion, dt, v)
     free = [r for i, r in enumerate(found) if i not in choice.values()]
