@@ -22,7 +22,7 @@ def give_birth(
             r = free.pop(k)
             tracks["face"] = born("face", *head_of(r, labels, None, None), r, u)
     free = _possible_hands(free, tracks.get("face"), u)
-    whole = [r for r in free if not _fragment(r, tracks, u)]
+    whole = [r for r in free if not _fragment(r, tracks)]
     missing = [name for name in ("left", "right") if _missing(tracks, name)]
     for name, r in _cheapest_hands(missing, whole[:3], tracks, labels.shape[1], u):
         centre, area = hand_of(r, labels, motion, None, body_of(tracks, name))
@@ -68,10 +68,10 @@ def _possible_hands(free: list[Candidate], face: Track | None, u: float) -> list
     return sorted(hands, key=lambda r: -r.person * np.sqrt(r.area))
 
 
-def _fragment(r: Candidate, tracks: dict, u: float) -> bool:
+def _fragment(r: Candidate, tracks: dict) -> bool:
     """Whether a region is a piece of the arm or the fingers of a hand that is followed, broken off its region.
 
-    With a face, a piece is near that hand and far on that hand's side; without one, it is near and much smaller.
+    With a face, a piece is near that hand, smaller, and far on that hand's side; without one, it is nearer and much smaller.
     """
     face = tracks.get("face")
     for name in ("left", "right"):

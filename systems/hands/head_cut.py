@@ -9,7 +9,6 @@ from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.parts import Track, smallest_hand
 from vipr.systems.signals import SkinRegions
 
-
 BULGE = 0.15  # of the face: what moves beside the head in its region can be a hand from this size
 MOVING = 60  # of 255
 
@@ -29,7 +28,9 @@ def cut_out_head(face: Track | None, found: list[Candidate], regions: SkinRegion
     y, x = np.nonzero(regions.labels == row + 1)
     away = ((x - f.x) / (1.25 * radius)) ** 2 + ((y - f.y) / (1.55 * radius)) ** 2 > 1.0
     moving = regions.motion[y, x] >= MOVING
-    bulge = np.count_nonzero(away & moving) > 1.5 * smallest_hand(face, BULGE, u) and 2 * np.count_nonzero(moving) < len(x)
+    bulge = np.count_nonzero(away & moving) > 1.5 * smallest_hand(face, BULGE, u) and 2 * np.count_nonzero(
+        moving
+    ) < len(x)
     if whole.area < 1.7 * face.area and not bulge:
         return regions.labels, found
     neck = (np.abs(x - f.x) < radius) & (y > f.y) & (y < f.y + 3.2 * radius) & ~moving

@@ -64,5 +64,5 @@ def in_neck(r: Candidate, face: Track, still: float) -> bool:
 
 
 def smallest_hand(face: Track, share: float, u: float) -> float:
-    """The area [px^2] from which a region beside the face can be a hand: a share of the face, little beside a face that fills the picture."""
+    """The area [px^2] from which a region can be a hand: a share of the face, but little beside a face that fills the picture."""
     return min(share * face.area, 600.0 * share * u * u)

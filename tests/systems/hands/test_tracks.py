@@ -1,5 +1,7 @@
 """The tracks on drawn regions: who is who, births, losses, merging and parting."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -61,6 +63,36 @@ def test_hands_are_named_by_the_persons_own_sides():
     mirror = exchanged(out)
     assert np.array_equal(mirror.left, out.right) and np.array_equal(mirror.right, out.left)
     assert np.array_equal(mirror.areas, out.areas[[0, 2, 1]])
+
+
+def test_a_piece_of_an_arm_beside_its_hand_is_no_second_hand():
+    def at(k):
+        return [HEAD, (30, 70, 8, 0.0)] + [(26, 92, 5, 0.0)] * (k > 8)
+
+    out = track([at(k) for k in range(20)])[-1]
+    assert out.right_seen and np.allclose(out.right, (30, 70), atol=2.0)
+    assert not out.left_seen
+
+
+def test_a_hand_that_comes_to_the_chin_is_told_from_the_face():
+    head, hand = (80, 50, 30, 0.7), (50, 82, 11, 0.0)
+    y, x = np.mgrid[0:120, 0:160]
+    moving = (255 * ((x - hand[0]) ** 2 + (y - hand[1]) ** 2 <= hand[2] ** 2)).astype(np.uint8)
+    belief = TracksBelief()
+    for k in range(16):
+        seen = regions(k, [head] + [hand] * (k > 8))
+        belief = follow(replace(seen, motion=moving * (k > 8)), belief)
+        if k <= 8:
+            assert belief.output.face_seen and not belief.output.right_seen
+    out = belief.output
+    assert out.right_seen and np.hypot(*(out.right - hand[:2])) < 11
+    assert out.face_seen and np.hypot(*(out.face - head[:2])) < 6
+
+
+def test_a_missed_hand_does_not_run_away():
+    out = track([[HEAD, (30 + 10 * min(k, 6), 80, 6, 0.0)] if k < 7 else [HEAD] for k in range(12)])[-1]
+    assert not out.right_seen
+    assert np.isfinite(out.right).all() and out.right[0] < 125
 
 
 def test_hands_that_cross_keep_their_names():
