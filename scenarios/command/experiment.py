@@ -48,8 +48,11 @@ def graffiti(
     from vipr.scenarios.experiments.films import cache_folder, film
     from vipr.scenarios.experiments.graffiti import ROWS, WRITERS, by_writer, drawings, halves, sittings, table_two
     from vipr.scenarios.experiments.pictures import confusion_picture
+    from vipr.systems.errors import InputError
 
     _check(camera)
+    if alphabets == 1:
+        raise InputError("--alphabets is 0 or at least 2, as half of a writer's letters are for training; got 1")
     folder, kept = output_folder(out), cache_folder(cache)
     planned = sittings(seed, camera, alphabets or None)
     with _progress(FILMING[camera], sum(len(s.labels) for s in planned)) as step:

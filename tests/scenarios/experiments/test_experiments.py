@@ -176,5 +176,13 @@ def test_an_unknown_camera_is_one_line(tmp_path, capsys):
         assert "--camera is rendered or stand-in, got 'eye'" in capsys.readouterr().err
 
 
+def test_one_alphabet_has_no_half_for_training(tmp_path, capsys):
+    with pytest.raises(SystemExit) as left:
+        main(["experiment", "graffiti", "--alphabets", "1", "--out", str(tmp_path / "out")])
+    assert left.value.code == 2
+    assert "--alphabets is 0 or at least 2" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_garbage_is_not_a_gesture():
     assert GARBAGE not in LANGUAGE and len(LANGUAGE) >= 10
