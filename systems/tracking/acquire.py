@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from vipr.systems import se3
 from vipr.systems.tracking.diagnosis import weigh
 from vipr.systems.tracking.displacements import corner_information, difference
 from vipr.systems.tracking.edge_pass import edge_pass
@@ -14,6 +15,18 @@ from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.small_algebra import invert
 from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
 
+# Share of the distance, degrees about the camera's x and y.
+ELSEWHERE = (
+    (0, 0, 0),
+    (0.01, 0, 0),
+    (-0.01, 0, 0),
+    (0, 5, 0),
+    (0, -5, 0),
+    (0, 0, 5),
+    (0, 0, -5),
+    (0.02, 0, 0),
+    (-0.02, 0, 0),
+)
 GIVEN_IS_GOOD = 0.6  # score at which a pose given from outside is believed at once
 
 
@@ -35,6 +48,12 @@ def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
     )
     evidence = replace(weigh(matches, fit), given=agreement)
     return Attempt(X, invert(fit.information + 1e-3 * sight.information), evidence)
+
+
+def elsewhere(X_CO: np.ndarray, tries: int) -> np.ndarray:
+    """Where to begin after so many tries in vain from a pose that was given: there, nearer, farther, tilted; then again."""
+    further, w_x, w_y = ELSEWHERE[tries % len(ELSEWHERE)]
+    return se3.pose(se3.exp_so3(np.deg2rad([w_x, w_y, 0.0])) @ X_CO[:3, :3], (1.0 + further) * X_CO[:3, 3])
 
 
 def _agreement(sight, X_CO, X_CO_given):

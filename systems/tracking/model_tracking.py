@@ -12,7 +12,7 @@ import numpy as np
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
-from vipr.systems.tracking.acquire import acquire, look_around
+from vipr.systems.tracking.acquire import acquire, elsewhere, look_around
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
@@ -160,7 +160,7 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
         X_start = options[int(np.argmax(likeness))]
     depth = 1 if max(spread, apart) < 2.0 else 2
     if belief.X_CO_given is not None:
-        return acquire(sight, belief.X_CO_given)
+        return acquire(sight, elsewhere(belief.X_CO_given, belief.doubtful))
     best = attempt(sight, X_start, keyframe, depth)
     now_and_then = belief.number % DOUBT_EVERY == 0
     if best.led_by is None and belief.agility < 1.0:

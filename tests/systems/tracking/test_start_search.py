@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from drawn_objects import LENS, box, picture, pose_at
 
+from vipr.systems import se3
+from vipr.systems.tracking.acquire import ELSEWHERE, elsewhere
 from vipr.systems.tracking.displacements import corner_shift, move
 from vipr.systems.tracking.start_search import field_around, pose_cost, search_start
 
@@ -32,3 +34,15 @@ def test_an_empty_image_gives_poses_without_proof():
     model, X_CO = box(), pose_at(0.0)
     field = field_around(np.full((LENS.height, LENS.width, 3), 90, np.uint8), model, LENS, X_CO)
     assert pose_cost(field, model, LENS, X_CO) == pytest.approx(4.0)
+
+
+def test_what_was_not_found_where_it_was_said_to_be_is_sought_nearer_farther_and_tilted():
+    X_CO = se3.pose(se3.exp_so3(np.array([1.2, -0.3, 0.4])), [0.05, -0.02, 2.0])
+    np.testing.assert_array_equal(elsewhere(X_CO, 0), X_CO)
+    tries = [elsewhere(X_CO, k) for k in range(len(ELSEWHERE))]
+    assert all(se3.is_pose(X) for X in tries)
+    depths = [X[2, 3] for X in tries]
+    assert min(depths) < 1.97 and max(depths) > 2.03
+    assert max(se3.angle_between(X, X_CO) for X in tries) > np.deg2rad(4)
+    assert len({X.tobytes() for X in tries}) == len(tries)
+    np.testing.assert_array_equal(elsewhere(X_CO, len(tries)), X_CO)
