@@ -4,21 +4,21 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
-from rich.console import Console
-from rich.table import Table
+import numpy as np
 
 from vipr.scenarios.align import Align
+from vipr.scenarios.bench.tables import Table, print_tables
 from vipr.scenarios.run import run_scenario
 from vipr.scenarios.settings import load_settings
 
-COLUMNS = (
-    "final_translation_error_mm",
-    "final_rotation_error_deg",
-    "following_translation_error_mm",
-    "following_rotation_error_deg",
-    "tracking_translation_rms_mm",
-    "tracking_rotation_rms_deg",
-)
+COLUMNS = {
+    "final_translation_error_mm": "final mm",
+    "final_rotation_error_deg": "final deg",
+    "following_translation_error_mm": "following mm",
+    "following_rotation_error_deg": "following deg",
+    "tracking_translation_rms_mm": "tracking mm RMS",
+    "tracking_rotation_rms_deg": "tracking deg RMS",
+}
 WORK = ("vision", "control", "hand", "camera", "logging", "other")  # what is neither rendering nor physics
 
 
@@ -35,27 +35,27 @@ def _run_one(seed: int, overrides: list[str], out: Path) -> dict:
 
 
 def print_table(summaries: list[dict]) -> None:
-    """One row a seed, the worst of each column, and where the wall time went."""
-    table = Table(title="align: hand against its reference pose, worst of each window")
-    table.add_column("seed", justify="right")
-    for name in COLUMNS:
-        table.add_column(name, justify="right")
-    table.add_column("done")
-    for summary in summaries:
-        values = [f"{summary['figures'].get(name, float('nan')):.2f}" for name in COLUMNS]
-        table.add_row(str(summary["seed"]), *values, "yes" if summary["success"] else "no")
-    worst = [max(s["figures"].get(name, float("nan")) for s in summaries) for name in COLUMNS]
-    table.add_section()
+    """One row a seed, the median and the worst of each column, and where the wall time went."""
+    rows = [[summary["figures"].get(name, float("nan")) for name in COLUMNS] for summary in summaries]
     done = sum(summary["success"] for summary in summaries)
-    table.add_row("worst", *(f"{value:.2f}" for value in worst), f"{done} of {len(summaries)}")
-    console = Console()
-    console.print(table)
-    factor = sorted(summary["time"]["real_time_factor"] for summary in summaries)[len(summaries) // 2]
+    table = Table(
+        "align: hand against its reference pose, worst of each window",
+        ("seed", *COLUMNS.values(), "done"),
+        [(str(s["seed"]), *row, "yes" if s["success"] else "no") for s, row in zip(summaries, rows, strict=True)],
+        note=_time(summaries),
+    )
+    table.rows.append(("median", *np.median(rows, axis=0), ""))
+    table.rows.append(("worst", *np.max(rows, axis=0), f"{done} of {len(summaries)}"))
+    print_tables([table])
+
+
+def _time(summaries: list[dict]) -> str:
+    """Real-time factor and shares of the wall time, over all runs."""
+    factor = float(np.median([summary["time"]["real_time_factor"] for summary in summaries]))
     shares = {
-        name: sum(s["time"]["share"].get(name, 0.0) for s in summaries) / len(summaries)
+        name: 100 * float(np.mean([s["time"]["share"].get(name, 0.0) for s in summaries]))
         for name in (*WORK, "render", "physics")
     }
-    console.print(
-        f"real-time factor {factor:.2f} (median); neither rendering nor physics: {100 * sum(shares[n] for n in WORK):.1f} %"
-    )
-    console.print("wall time: " + ", ".join(f"{name} {100 * share:.1f} %" for name, share in shares.items()))
+    others = sum(shares[name] for name in WORK)
+    told = ", ".join(f"{name} {share:.1f} %" for name, share in shares.items())
+    return f"Real-time factor {factor:.2f} (median); neither rendering nor physics: {others:.1f} %; wall time: {told}"
