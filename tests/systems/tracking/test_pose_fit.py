@@ -136,7 +136,8 @@ def test_texture_learnt_at_one_pose_finds_another_ten_pixels_away():
 
 def test_another_texture_is_not_recognised():
     keyframe = learn_keyframe(sight(textured(SEEN)), box(), SEEN, np.eye(6) * 1e-8, WIDE)
-    assert align(keyframe, sight(textured(SEEN, seed=1)), box(), SEEN, WIDE).significance < 3
+    own, *others = (align(keyframe, sight(textured(SEEN, seed=k)), box(), SEEN, WIDE).significance for k in range(7))
+    assert own > 10 and max(others) < own / 3
 
 
 def test_a_bare_object_gives_no_keyframe_and_a_far_view_chooses_none():
