@@ -3,7 +3,7 @@
 import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from vipr.diagrams.servo_robot import Schedule
+from vipr.diagrams.servo_robot import STOPPING_TIME, Schedule
 from vipr.diagrams.workcell import ARM_COUNT
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.encoders import JointEncoders
@@ -64,6 +64,7 @@ class GeometricServo(Diagram):
         guard: CollisionGuard | None = None,
         motion: TargetMotion = TargetMotion(),
         workspace: Workspace = Workspace(),
+        stopping_time: float = STOPPING_TIME,
         schedule: Schedule = Schedule(),
     ):
         super().__init__()
@@ -85,7 +86,15 @@ class GeometricServo(Diagram):
         )
         commander = add(
             "arm",
-            ArmCommander(arm, limits, q_initial, guard=guard, period=schedule.arm, offset=schedule.arm_offset),
+            ArmCommander(
+                arm,
+                limits,
+                q_initial,
+                guard=guard,
+                stopping_time=stopping_time,
+                period=schedule.arm,
+                offset=schedule.arm_offset,
+            ),
         )
         witness = add("limit_use", LimitUse(limits, period=schedule.arm, offset=schedule.witness_offset))
         wires = [

@@ -21,6 +21,10 @@ from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import TrackingError
 
+STOPPING_TIME = (
+    0.06  # s, to bring the arm to rest in: its set-points stand within 80 ms of the first exposure that shows nothing
+)
+
 
 @dataclass(frozen=True)
 class Schedule:
@@ -102,9 +106,10 @@ class ServoRobot(Diagram):
         truth    |0 keeps the truth of the exposure, 38 compares
 
     Frames: W world, C camera, O object, E hand (see ``Workcell``). ``task`` says what is to be done, with the camera where the robot
-    believes it to be; ``lens`` is the lens it believes in (the real one if not given). ``judge`` compares with the truth: AlignmentError
-    or PlacementError. ``tracking_error`` and ``alignment_error`` are against truth (see ``systems.truth``) and reach no controller.
-    ``picture`` is the frame with the tracked edges drawn in.
+    believes it to be; ``lens`` is the lens it believes in (the real one if not given). The arm is never faster than it can stop in
+    ``stopping_time`` [s]: when the target is lost, it begins to brake 2 ms after the servo's tick. ``judge`` compares with the truth:
+    AlignmentError or PlacementError. ``tracking_error`` and ``alignment_error`` are against truth (see ``systems.truth``) and reach no
+    controller. ``picture`` is the frame with the tracked edges drawn in.
     """
 
     def __init__(
@@ -120,6 +125,7 @@ class ServoRobot(Diagram):
         law: ServoLaw = PositionBased(),
         motion: TargetMotion = TargetMotion(),
         workspace: Workspace = Workspace(),
+        stopping_time: float = STOPPING_TIME,
         schedule: Schedule = Schedule(),
     ):
         super().__init__()
@@ -157,6 +163,7 @@ class ServoRobot(Diagram):
                 limits,
                 config.q_initial,
                 guard=workcell.guard,
+                stopping_time=stopping_time,
                 period=schedule.arm,
                 offset=schedule.arm_offset,
             ),

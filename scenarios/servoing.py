@@ -10,7 +10,7 @@ from pydrake.systems.primitives import ConstantVectorSource, TrajectorySource
 from pydrake.trajectories import Trajectory
 
 from vipr.diagrams.servo_loop import workcell_loop
-from vipr.diagrams.servo_robot import Schedule, ServoRobot
+from vipr.diagrams.servo_robot import STOPPING_TIME, Schedule, ServoRobot
 from vipr.diagrams.workcell import Workcell, WorkcellConfig, puma_with_hand
 from vipr.models import model_path, object_names
 from vipr.scenarios.camera_knowledge import CameraKnowledge
@@ -58,6 +58,7 @@ class ServoingSettings:
     tracker: TrackerSettings = TrackerSettings()
     servo: Annotated[ServoLaw, ONE_OF] = PositionBased()
     target: TargetMotion = TargetMotion()
+    stopping_time_s: float = STOPPING_TIME  # the arm is never faster than it can be brought to rest in this time
     max_error_mm: float = 2.0  # allowed at the end
     max_error_deg: float = 0.5
 
@@ -67,6 +68,7 @@ class ServoingSettings:
             self, supersampling=(1, 4), delay_frames=(0, 25), start_offset_m=(0, 0.3), initial_error_mm=(0, 500)
         )
         require_within(self, initial_error_deg=(0, 180), max_error_mm=(0, 1000), max_error_deg=(0, 180))
+        require_within(self, stopping_time_s=(0.01, 2.0))
 
 
 class ServoScenario(Scenario):
@@ -135,6 +137,7 @@ class ServoScenario(Scenario):
             law=s.servo,
             motion=s.target,
             workspace=WORKSPACE,
+            stopping_time=s.stopping_time_s,
             schedule=self.schedule,
         )
         return self.fed(robot, stage_and_fingers(self.motion, self._fingers))

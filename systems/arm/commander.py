@@ -35,7 +35,8 @@ class ArmCommander(LeafSystem):
     1 speed, 2 acceleration, 3 position, 4 a singularity, 5 a collision; ``status`` (Status) says it in words, for a collision with the
     two shapes that came near each other. Without a ``guard`` nothing is kept from colliding. ``motor_position`` (4), the motor angles of
     the hand [rad], tells the guard where the fingers are; left unconnected, they are where the guard's body has them. The state starts
-    at ``q_initial`` at rest.
+    at ``q_initial`` at rest. No joint moves faster than it can be brought to rest within ``stopping_time`` seconds: once a zero twist
+    is asked for, the set-points stand after that time.
 
     Source: damped least squares as in ``resolved_rate``; collisions as in ``guard``.
     """
@@ -51,6 +52,7 @@ class ArmCommander(LeafSystem):
         X_WB: np.ndarray | None = None,
         damping: Damping = Damping(),
         guard: CollisionGuard | None = None,
+        stopping_time: float = np.inf,
         period: float = 0.01,
         offset: float = 0.0,
     ):
@@ -63,7 +65,8 @@ class ArmCommander(LeafSystem):
                 f"arm: joint {joint + 1} starts at {np.rad2deg(q_initial[joint]):.1f} deg, allowed are "
                 f"{np.rad2deg(limits.lower[joint]):.1f} to {np.rad2deg(limits.upper[joint]):.1f} deg"
             )
-        self._arm, self._limits, self._damping, self._guard, self._period = arm, limits, damping, guard, period
+        self._arm, self._damping, self._guard, self._period = arm, damping, guard, period
+        self._limits = limits.stopping_within(stopping_time)
         self._R_BW = np.eye(3) if X_WB is None else np.asarray(X_WB)[:3, :3].T
         self._n = n = len(q_initial)
         self._require_clear(q_initial)

@@ -6,7 +6,7 @@ direction: it slows down where a joint nears its speed or its stop, and halts ra
 an acceleration limit while the arm changes from another motion, and a joint that must brake at its full deceleration before its stop.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,12 @@ class JointLimits:
             raise InputError(f"joint limits: lower must be below upper, got {self.lower} and {self.upper} rad")
         if not (np.asarray(self.speed) > 0).all() or not (np.asarray(self.acceleration) > 0).all():
             raise InputError("joint limits: speeds and accelerations must be positive")
+
+    def stopping_within(self, seconds: float) -> "JointLimits":
+        """The same limits, with no joint faster than it can be brought to rest in the given time [s]."""
+        if not seconds > 0:
+            raise InputError(f"joint limits: the time to stop in must be positive, got {seconds:g} s")
+        return replace(self, speed=np.minimum(self.speed, seconds * self.acceleration))
 
 
 @dataclass(frozen=True)

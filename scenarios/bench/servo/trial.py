@@ -10,6 +10,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.trajectories import Trajectory
 
 from vipr.diagrams.geometric_servo import GeometricServo
+from vipr.diagrams.servo_robot import STOPPING_TIME
 from vipr.diagrams.workcell import JOINT_LIMITS, STAGE, collision_guard, puma_with_hand
 from vipr.scenarios.servoing import WORKSPACE, ServoScenario, stage_and_fingers
 from vipr.systems import se3
@@ -79,6 +80,7 @@ class Setting:
     believed: Lens | None = None  # a wrong lens
     blind: tuple[float, float] = (np.inf, np.inf)  # s
     sight: SightErrors = TRACKER
+    stopping_time: float = STOPPING_TIME
     seed: int = 0
 
     @classmethod
@@ -95,6 +97,7 @@ class Setting:
             duration=scenario.duration,
             motion=scenario.motion,
             X_WS=se3.pose(np.eye(3), STAGE),
+            stopping_time=scenario.settings.stopping_time_s,
             believed=None if scenario.lens == config.lens else scenario.lens,
             seed=scenario.seed,
         )
@@ -230,6 +233,7 @@ def fly(
             guard=GUARD,
             motion=motion,
             workspace=WORKSPACE,
+            stopping_time=setting.stopping_time,
         ),
     )
     stage = builder.AddSystem(stage_and_fingers(setting.motion)["stage_desired_state"])

@@ -1,8 +1,12 @@
 """The servo's benchmark: what one geometric run tells, and the laws' outcomes in cases with a known answer."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from vipr.diagrams.servo_robot import STOPPING_TIME
+from vipr.diagrams.workcell import JOINT_LIMITS
 from vipr.scenarios.align import Follow, FollowSettings
 from vipr.scenarios.bench.servo import PARTS, run
 from vipr.scenarios.bench.servo.calibration import wrong
@@ -36,6 +40,18 @@ def test_held_object_is_placed_although_the_calibration_is_wrong():
     )
     assert flight.setting.believed is not None
     assert flight.mm[flight.last].max() < 2.0
+
+
+def test_the_arm_stands_within_80_ms_of_the_first_exposure_without_target_from_its_full_speed_and_goes_on():
+    setting = Setting.of(placing(PlaceSettings(place=4, duration_s=4.0), 4))
+    seen = fly(setting, LAWS["position-based"], step=0.01)
+    fastest = seen.t[np.argmax(np.max(np.abs(seen.rates) / (STOPPING_TIME * JOINT_LIMITS.acceleration), axis=1))]
+    begin = 0.04 * np.ceil(fastest / 0.04)
+    flight = fly(replace(setting, blind=(begin - 1e-6, begin + 0.4)), LAWS["position-based"], step=0.01)
+    speed = np.abs(flight.rates).max(axis=1)
+    assert speed[np.searchsorted(flight.t, begin)] > 0.1, "it was moving"
+    assert (speed[(flight.t > begin + 0.075) & (flight.t < begin + 0.4)] < 1e-9).all()
+    assert flight.converged and flight.within_limits
 
 
 def test_feed_forward_is_worth_a_factor_of_five_behind_a_moving_object():

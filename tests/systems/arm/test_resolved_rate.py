@@ -64,6 +64,23 @@ def test_a_joint_driven_at_its_stop_brakes_in_time_and_never_passes():
     assert np.allclose(q, LIMITS.upper, atol=1e-3)
 
 
+def test_no_joint_is_faster_than_it_stops_in_the_given_time():
+    bounded = LIMITS.stopping_within(0.15)
+    assert np.allclose(bounded.speed, [1.0, 1.5, 1.5]), "a joint that stops sooner keeps its speed"
+    q, v = np.zeros(3), np.zeros(3)
+    for _ in range(30):
+        v, _ = limited_rates(np.array([0.1, 9.0, 2.0]), q, v, bounded, DT)
+    assert np.max(np.abs(v) / bounded.speed) == pytest.approx(1.0)
+    for _ in range(15):
+        v, _ = limited_rates(np.zeros(3), q, v, bounded, DT)
+    assert np.allclose(v, 0.0, atol=1e-12)
+
+
+def test_a_time_to_stop_in_that_is_not_positive_is_refused():
+    with pytest.raises(InputError, match="joint limits: the time to stop in must be positive, got 0 s"):
+        LIMITS.stopping_within(0.0)
+
+
 def test_inverted_limits_are_refused():
     with pytest.raises(InputError, match="lower must be below upper"):
         JointLimits(np.ones(2), -np.ones(2), np.ones(2), np.ones(2))
