@@ -21,9 +21,8 @@ from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import TrackingError
 
-STOPPING_TIME = (
-    0.06  # s, to bring the arm to rest in: its set-points stand within 80 ms of the first exposure that shows nothing
-)
+# s, to bring the arm to rest in: its set-points stand within 80 ms of the first exposure that shows no target.
+STOPPING_TIME = 0.06
 
 
 @dataclass(frozen=True)
