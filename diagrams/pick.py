@@ -1,10 +1,12 @@
 """A robot that finds an object by sight and picks it up as it was taught (paper III-E, Fig. 10)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from vipr.diagrams.stages import Maker, Stages, connect
 from vipr.diagrams.workcell import Workcell
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.camera.lens import Lens
@@ -15,6 +17,8 @@ from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import TrackingError
+
+STAGES: Mapping[str, Maker] = {"tracker": ModelTracker, "task": PickTask, "arm": ArmCommander}
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,8 @@ class PickRobot(Diagram):
 
     Frames: W world, C camera, O object, E hand (see ``Workcell``). The arm's way is checked against collisions when it is planned; the
     commander keeps the joint limits. ``lens`` is the lens that the robot believes in (the real one if not given). ``tracking_error`` is
-    against truth and reaches no controller.
+    against truth and reaches no controller. ``stages`` puts others in the place of some of ``STAGES``: makers called with the same
+    arguments, whose systems have the same ports.
     """
 
     def __init__(
@@ -99,25 +104,26 @@ class PickRobot(Diagram):
         film: bool = True,
         tracker: TrackerSettings = TrackerSettings(),
         schedule: Schedule = Schedule(),
+        stages: Mapping[str, Maker] | None = None,
     ):
         super().__init__()
         config = workcell.config
         lens = config.lens if lens is None else lens
         self.schedule = schedule.rows()
-        builder = DiagramBuilder()
+        builder, made = DiagramBuilder(), Stages(STAGES, stages)
         cell = builder.AddNamedSystem("workcell", workcell)
-        seeing = builder.AddNamedSystem(
-            "tracker",
-            ModelTracker(model, lens, settings=tracker, period=schedule.camera, offset=schedule.tracker_offset),
+        seeing = made.add(
+            builder, "tracker", model, lens, settings=tracker, period=schedule.camera, offset=schedule.tracker_offset
         )
-        task = builder.AddNamedSystem(
-            "task", PickTask(picker, X_CO_initial, period=schedule.task, offset=schedule.task_offset)
-        )
-        arm = builder.AddNamedSystem(
+        task = made.add(builder, "task", picker, X_CO_initial, period=schedule.task, offset=schedule.task_offset)
+        arm = made.add(
+            builder,
             "arm",
-            ArmCommander(
-                workcell.arm, workcell.joint_limits, config.q_initial, period=schedule.arm, offset=schedule.arm_offset
-            ),
+            workcell.arm,
+            workcell.joint_limits,
+            config.q_initial,
+            period=schedule.arm,
+            offset=schedule.arm_offset,
         )
         annotator = builder.AddNamedSystem("annotator", PoseAnnotator(model, lens))
         error = builder.AddNamedSystem(
@@ -141,8 +147,7 @@ class PickRobot(Diagram):
         ]
         if not film:
             wires.append((task, "watching", cell, "watching"))
-        for writer, output, reader, input_ in wires:
-            builder.Connect(writer.GetOutputPort(output), reader.GetInputPort(input_))
+        connect(builder, wires)
         builder.ExportInput(cell.GetInputPort("stage_desired_state"), "stage_desired_state")
         for system, names in (
             (annotator, ("picture",)),

@@ -1,10 +1,12 @@
 """The workcell under visual servoing: a hand finds its place by sight, or brings what it holds to its place (paper III-D, III-F)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 
+from vipr.diagrams.stages import Maker, Stages, connect
 from vipr.diagrams.workcell import Workcell
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.limit_use import LimitUse
@@ -21,6 +23,7 @@ from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import TrackingError
 
+STAGES: Mapping[str, Maker] = {"tracker": ModelTracker, "servo": VisualServo, "arm": ArmCommander}
 # s, to bring the arm to rest in: its set-points stand within 80 ms of the first exposure that shows no target.
 STOPPING_TIME = 0.06
 
@@ -108,7 +111,8 @@ class ServoRobot(Diagram):
     believes it to be; ``lens`` is the lens it believes in (the real one if not given). The arm is never faster than it can stop in
     ``stopping_time`` [s]: when the target is lost, it begins to brake 2 ms after the servo's tick. ``judge`` compares with the truth:
     AlignmentError or PlacementError. ``tracking_error`` and ``alignment_error`` are against truth (see ``systems.truth``) and reach no
-    controller. ``picture`` is the frame with the tracked edges drawn in.
+    controller. ``picture`` is the frame with the tracked edges drawn in. ``stages`` puts others in the place of some of ``STAGES``: makers
+    called with the same arguments, whose systems have the same ports.
     """
 
     def __init__(
@@ -126,58 +130,54 @@ class ServoRobot(Diagram):
         workspace: Workspace = Workspace(),
         stopping_time: float = STOPPING_TIME,
         schedule: Schedule = Schedule(),
+        stages: Mapping[str, Maker] | None = None,
     ):
         super().__init__()
         config = workcell.config
         lens = config.lens if lens is None else lens
         self.schedule = schedule.rows()
-        builder = DiagramBuilder()
+        builder, made = DiagramBuilder(), Stages(STAGES, stages)
         add = builder.AddNamedSystem
         period = schedule.camera
         cell = add("workcell", workcell)
-        tracker = add(
+        tracker = made.add(
+            builder,
             "tracker",
-            ModelTracker(
-                model, lens, X_CO_initial=X_CO_initial, settings=tracker, period=period, offset=schedule.tracker_offset
-            ),
+            model,
+            lens,
+            X_CO_initial=X_CO_initial,
+            settings=tracker,
+            period=period,
+            offset=schedule.tracker_offset,
         )
-        servo = add(
+        servo = made.add(
+            builder,
             "servo",
-            VisualServo(
-                workcell.arm,
-                task,
-                law=law,
-                motion=motion,
-                workspace=workspace,
-                patience=0.08 + schedule.delay_frames * period,
-                period=period,
-                offset=schedule.servo_offset,
-            ),
+            workcell.arm,
+            task,
+            law=law,
+            motion=motion,
+            workspace=workspace,
+            patience=0.08 + schedule.delay_frames * period,
+            period=period,
+            offset=schedule.servo_offset,
         )
         limits = workcell.joint_limits
-        arm = add(
+        arm = made.add(
+            builder,
             "arm",
-            ArmCommander(
-                workcell.arm,
-                limits,
-                config.q_initial,
-                guard=workcell.guard,
-                stopping_time=stopping_time,
-                period=schedule.arm,
-                offset=schedule.arm_offset,
-            ),
+            workcell.arm,
+            limits,
+            config.q_initial,
+            guard=workcell.guard,
+            stopping_time=stopping_time,
+            period=schedule.arm,
+            offset=schedule.arm_offset,
         )
         witness = add("limit_use", LimitUse(limits, period=schedule.arm, offset=schedule.witness_offset))
         annotator = add("annotator", PoseAnnotator(model, lens))
         tracking_error = add("tracking_error", TrackingError(period=period, judge_offset=schedule.judge_offset))
         add("alignment_error", judge)
-        seen = tracker.GetOutputPort("object_pose")
-        if schedule.delay_frames:
-            delay = add("delay", PoseDelay(schedule.delay_frames, period=period, offset=schedule.delay_offset))
-            builder.Connect(seen, delay.GetInputPort("object_pose"))
-            seen = delay.GetOutputPort("delayed_pose")
-        builder.Connect(seen, servo.GetInputPort("object_pose"))
-
         wires = [
             (cell, "frame", tracker, "frame"),
             (cell, "joint_state", servo, "joint_state"),
@@ -190,9 +190,13 @@ class ServoRobot(Diagram):
             (cell, "X_CO_true", tracking_error, "X_CO_true"),
             (tracker, "object_pose", tracking_error, "object_pose"),
         ]
+        if schedule.delay_frames:
+            delay = add("delay", PoseDelay(schedule.delay_frames, period=period, offset=schedule.delay_offset))
+            wires += [(tracker, "object_pose", delay, "object_pose"), (delay, "delayed_pose", servo, "object_pose")]
+        else:
+            wires += [(tracker, "object_pose", servo, "object_pose")]
         wires += [(cell, name, judge, name) for name in ("X_WO_true", "X_WE_true") if judge.HasInputPort(name)]
-        for writer, output, reader, input_ in wires:
-            builder.Connect(writer.GetOutputPort(output), reader.GetInputPort(input_))
+        connect(builder, wires)
         for name in ("stage_desired_state", "motor_command"):
             builder.ExportInput(cell.GetInputPort(name), name)
         for system, ports in (

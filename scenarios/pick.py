@@ -1,6 +1,6 @@
 """``pick``: an object is found by sight, grasped as it was taught, lifted, carried and held (paper III-E, Fig. 10)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed
 from vipr.models import model_path, object_names
 from vipr.scenarios.camera_knowledge import CameraKnowledge
 from vipr.scenarios.placements import LIES, LOOKING, Placement, around, check, random_placement, ways_to_lie
+from vipr.scenarios.replacements import load_stages
 from vipr.scenarios.scenario import Outcome, Scenario
 from vipr.scenarios.settings import require_one_of, require_within
 from vipr.systems import se3
@@ -60,6 +61,7 @@ class PickScenarioSettings:
     calibration: CameraKnowledge = CameraKnowledge()  # what the robot believes of its camera
     pick: PickSettings = PickSettings()
     hand: Drives = GRASPING
+    stages: dict[str, str] = field(default_factory=dict)  # others in the place of tracker, task or arm: FILE.py:CLASS
     contact_model: str = CONTACT_MODELS[0]
     time_step_s: float = 0.005
 
@@ -142,6 +144,7 @@ class Pick(Scenario):
             lens=self._lens,
             film=s.film,
             tracker=s.tracker,
+            stages=load_stages(s.stages),
         )
         rest = np.r_[self.placement.stage, np.zeros(3)]
         return self.fed(robot, {"stage_desired_state": ConstantVectorSource(rest)})

@@ -11,6 +11,7 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from vipr.diagrams.workcell import STAGE, Workcell, WorkcellConfig, fixed_camera
 from vipr.scenarios.motions import out_and_back
+from vipr.scenarios.replacements import load_stages
 from vipr.scenarios.servoing import (
     ServoingSettings,
     ServoScenario,
@@ -144,10 +145,9 @@ class PlaceByShowing(ServoScenario):
         builder = DiagramBuilder()
         cell = builder.AddSystem(Workcell(config))
         start = disturbed(X_CO, s.initial_error_mm, s.initial_error_deg, rng)
+        make = load_stages(s.stages).get("tracker", ModelTracker)
         tracker = builder.AddSystem(
-            ModelTracker(
-                self.cad, self.lens, X_CO_initial=start, settings=s.tracker, offset=self.schedule.tracker_offset
-            )
+            make(self.cad, self.lens, X_CO_initial=start, settings=s.tracker, offset=self.schedule.tracker_offset)
         )
         builder.Connect(cell.GetOutputPort("frame"), tracker.GetInputPort("frame"))
         way = PiecewisePolynomial.CubicHermite([0.0, BRINGING], np.column_stack([q, self._q_shown]), np.zeros((6, 2)))

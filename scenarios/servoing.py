@@ -1,7 +1,7 @@
 """What ``align``, ``follow`` and ``place_by_showing`` share: settings, robot, channels, plots and judgement by the same figures."""
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from vipr.diagrams.servo_robot import STOPPING_TIME, Schedule, ServoRobot
 from vipr.diagrams.workcell import Workcell, WorkcellConfig, puma_with_hand
 from vipr.models import model_path, object_names
 from vipr.scenarios.camera_knowledge import CameraKnowledge
+from vipr.scenarios.replacements import load_stages
 from vipr.scenarios.scenario import Outcome, Scenario
 from vipr.scenarios.settings import ONE_OF, require_one_of, require_within
 from vipr.systems import se3
@@ -59,6 +60,7 @@ class ServoingSettings:
     servo: Annotated[ServoLaw, ONE_OF] = PositionBased()
     target: TargetMotion = TargetMotion()
     stopping_time_s: float = STOPPING_TIME  # the arm is never faster than it can be brought to rest in this time
+    stages: dict[str, str] = field(default_factory=dict)  # others in the place of tracker, servo or arm: FILE.py:CLASS
     max_error_mm: float = 2.0  # allowed at the end
     max_error_deg: float = 0.5
 
@@ -139,6 +141,7 @@ class ServoScenario(Scenario):
             workspace=WORKSPACE,
             stopping_time=s.stopping_time_s,
             schedule=self.schedule,
+            stages=load_stages(s.stages),
         )
         return self.fed(robot, stage_and_fingers(self.motion, self._fingers))
 

@@ -1,15 +1,11 @@
 """``vipr bench align``: the first loop over many seeds, against its targets."""
 
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
-from vipr.scenarios.align import Align
 from vipr.scenarios.bench.tables import Table, print_tables
-from vipr.scenarios.run import run_scenario
-from vipr.scenarios.settings import load_settings
+from vipr.scenarios.runs import run_many
 
 COLUMNS = {
     "final_translation_error_mm": "final mm",
@@ -24,14 +20,7 @@ WORK = ("vision", "control", "hand", "camera", "logging", "other")  # what is ne
 
 def run(seeds: int, overrides: list[str], out: Path, jobs: int = 1) -> list[dict]:
     """Summaries of ``align`` for seeds 1 to ``seeds``, ``jobs`` at a time; each run leaves its folder below ``out``."""
-    load_settings(Align.settings_type, Align.settings_file(), overrides)  # refused here, once, if they are wrong
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        return list(pool.map(_run_one, range(1, seeds + 1), [overrides] * seeds, [out] * seeds))
-
-
-def _run_one(seed: int, overrides: list[str], out: Path) -> dict:
-    settings = load_settings(Align.settings_type, Align.settings_file(), overrides)
-    return run_scenario(Align(settings, seed), out / f"seed-{seed}")
+    return run_many("align", [(overrides, out)], range(1, seeds + 1), jobs)[0]
 
 
 def print_table(summaries: list[dict]) -> None:

@@ -13,6 +13,7 @@ from vipr.scenarios.command import (
     analyse,
     bench,
     calibrate,
+    compare,
     compilation,
     experiment,
     gestures,
@@ -34,6 +35,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 run.register(app)
+compare.register(app)
 teach.register(app)
 track.register(app)
 hands.register(app)
