@@ -174,7 +174,7 @@ class Workcell(Diagram):
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlant(
             MultibodyPlantConfig(
-                time_step=config.time_step, stiction_tolerance=1e-4, contact_model=config.contact_model
+                time_step=config.time_step, stiction_tolerance=1e-5, contact_model=config.contact_model
             ),
             builder,
         )
