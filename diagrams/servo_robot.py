@@ -19,6 +19,7 @@ from vipr.systems.servo.target_filter import TargetMotion
 from vipr.systems.servo.tasks import Task
 from vipr.systems.tracking.annotator import PoseAnnotator
 from vipr.systems.tracking.cad_model import CadModel
+from vipr.systems.tracking.known_view import KnownView
 from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import TrackingError
@@ -108,7 +109,8 @@ class ServoRobot(Diagram):
         truth    |0 keeps the truth of the exposure, 38 compares
 
     Frames: W world, C camera, O object, E hand (see ``Workcell``). ``task`` says what is to be done, with the camera where the robot
-    believes it to be; ``lens`` is the lens it believes in (the real one if not given). The arm is never faster than it can stop in
+    believes it to be; ``lens`` is the lens it believes in (the real one if not given), ``views`` are pictures of
+    the object whose poses it knows. The arm is never faster than it can stop in
     ``stopping_time`` [s]: when the target is lost, it begins to brake 2 ms after the servo's tick. ``judge`` compares with the truth:
     AlignmentError or PlacementError. ``tracking_error`` and ``alignment_error`` are against truth (see ``systems.truth``) and reach no
     controller. ``picture`` is the frame with the tracked edges drawn in. ``stages`` puts others in the place of some of ``STAGES``: makers
@@ -125,6 +127,7 @@ class ServoRobot(Diagram):
         *,
         lens: Lens | None = None,
         tracker: TrackerSettings = TrackerSettings(),
+        views: tuple[KnownView, ...] = (),
         law: ServoLaw = PositionBased(),
         motion: TargetMotion = TargetMotion(),
         workspace: Workspace = Workspace(),
@@ -147,6 +150,7 @@ class ServoRobot(Diagram):
             lens,
             X_CO_initial=X_CO_initial,
             settings=tracker,
+            **({"views": views} if views else {}),
             period=period,
             offset=schedule.tracker_offset,
         )

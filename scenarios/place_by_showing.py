@@ -31,7 +31,7 @@ from vipr.systems.truth import PlacementError
 
 BRINGING, SHOWING = 1.6, 0.8  # s in which the object is brought to the shown place, and that it is held still there
 BROUGHT_M, BROUGHT_DEG = 0.04, 25.0  # from where: the tracker sees it from several sides, as it does when it is placed
-LOOKS = 10  # frames at its end whose corners are averaged
+LOOKS = 10  # frames at its end that are averaged, corners and picture
 BORDER = 20  # px that the corners keep from the image's border
 
 
@@ -137,7 +137,7 @@ class PlaceByShowing(ServoScenario):
         raise InputError(f"{self.name}: the arm cannot bring the object to the shown place")
 
     def show(self) -> ShownPlace:
-        """Bring the object to the place, hold it there for a moment, and keep the image positions of its corners."""
+        """Bring the object to the place, hold it there for a moment, and keep the image positions of its corners and the picture."""
         s, rng = self.settings, np.random.default_rng([self.settings.place, 2])
         X_WO, q = self._near(rng)
         config = replace(self.config, q_initial=q)
@@ -155,7 +155,8 @@ class PlaceByShowing(ServoScenario):
         for name, source in {**stage_and_fingers(self.motion, self._fingers), "arm_desired_state": arm}.items():
             builder.Connect(builder.AddSystem(source).get_output_port(), cell.GetInputPort(name))
         simulator = Simulator(builder.Build())
-        pose, pixels = tracker.GetOutputPort("object_pose"), []
+        pose, frame = tracker.GetOutputPort("object_pose"), cell.GetOutputPort("frame")
+        pixels, pictures = [], []
         for k in range(LOOKS):
             simulator.AdvanceTo(BRINGING + SHOWING - (LOOKS - 1 - k) * self.schedule.camera)
             seen = pose.Eval(tracker.GetMyContextFromRoot(simulator.get_context()))
@@ -164,9 +165,16 @@ class PlaceByShowing(ServoScenario):
                     f"{self.name}: the object is not seen at the shown place (the tracker says {seen.state})"
                 )
             pixels.append(self.lens.project(self.cad.corners @ seen.X_CO[:3, :3].T + seen.X_CO[:3, 3]))
+            taken = frame.Eval(cell.GetMyContextFromRoot(simulator.get_context()))
+            pictures += [taken.image] if taken.arrived else []
         size = (config.lens.width, config.lens.height)
         X_WO = cell.GetOutputPort("X_WO_true").Eval(cell.GetMyContextFromRoot(simulator.get_context())).GetAsMatrix4()
-        return ShownPlace(s.object, s.place, size, self.cad.corners, np.mean(pixels, axis=0), X_WO)
+        shown = ShownPlace(s.object, s.place, size, self.cad.corners, np.mean(pixels, axis=0), X_WO)
+        return replace(shown, picture=np.round(np.mean(pictures, axis=0)).astype(np.uint8)) if pictures else shown
+
+    def views(self):
+        self.taught = self.taught or self.show()
+        return self.taught.views(self.lens)
 
     def task(self):
         self.taught = self.taught or self.show()

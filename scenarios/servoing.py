@@ -33,6 +33,7 @@ from vipr.systems.servo.position_based import PositionBased
 from vipr.systems.servo.target_filter import TargetMotion
 from vipr.systems.servo.tasks import Task
 from vipr.systems.tracking.cad_model import load_model
+from vipr.systems.tracking.known_view import KnownView
 from vipr.systems.tracking.model_tracking import TrackerSettings
 
 AXES = ("rx", "ry", "rz", "x", "y", "z")
@@ -103,6 +104,10 @@ class ServoScenario(Scenario):
     def task(self) -> Task:
         """What the robot is to do, by what it believes."""
 
+    def views(self) -> tuple[KnownView, ...]:
+        """Pictures of the object whose poses the robot knows."""
+        return ()
+
     @abstractmethod
     def referee(self) -> LeafSystem:
         """The system that compares it with the truth: its output is ``alignment_error``."""
@@ -136,6 +141,7 @@ class ServoScenario(Scenario):
             self.referee(),
             lens=self.lens,
             tracker=s.tracker,
+            views=self.views(),
             law=s.servo,
             motion=s.target,
             workspace=WORKSPACE,

@@ -18,7 +18,8 @@ def teach(
     seed: Annotated[int, typer.Option(help="Of the camera's noise; 0 or larger.", min=0)] = 0,
     settings: Settings = [],  # noqa: B006 (typer copies it)
 ) -> None:
-    """Hold an object at a place (--set object=..., place=...) before the camera, and store the image positions of its corners.
+    """Hold an object at a place (--set object=..., place=...) before the camera, and store the image positions of its corners, and beside
+    FILE.yaml the picture, FILE.png.
 
     ``vipr run place_by_showing --set shown=FILE`` brings it there again.
     """

@@ -36,6 +36,7 @@ class Keyframe:
     gradient: np.ndarray  # (LEVELS, 2, M, P) of looks by the keyframe's level pixels along x and y
     trust: float = 1.0  # 0 to 1, probability that the pose was right
     fit_px: float = 0.0  # residual of the edges at that pose
+    lasting: bool = False  # known beforehand: kept whatever is seen
 
     def __len__(self):
         return len(self.p_O)

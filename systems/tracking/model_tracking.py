@@ -25,6 +25,7 @@ from vipr.systems.tracking.texture import correlation_at
 
 DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads
 LEARN_EVERY = 5  # frames between attempts to learn the texture of an object that has shown none yet
+LEARNT = 12  # keyframes, beside those that are known beforehand: the last so many are kept
 LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
 
 
@@ -98,8 +99,11 @@ class Belief:
         return self.motion.covariance[:6, :6]
 
 
-def start(X_CO: np.ndarray, time: float = 0.0, number: int = -1) -> Belief:
-    """Belief in an object at rest at a pose given from outside. Raises InputError for what is no pose before the camera."""
+def start(X_CO: np.ndarray, time: float = 0.0, number: int = -1, keyframes: tuple[Keyframe, ...] = ()) -> Belief:
+    """Belief in an object at rest at a pose given from outside, with keyframes that are known already (see ``known_view``).
+
+    Raises InputError for what is no pose before the camera.
+    """
     X_CO = np.asarray(X_CO, float)
     if not se3.is_pose(X_CO):
         raise InputError("initial pose: X_CO must be a finite 4x4 rigid motion (rotation orthonormal to 1e-3)")
@@ -107,7 +111,9 @@ def start(X_CO: np.ndarray, time: float = 0.0, number: int = -1) -> Belief:
         raise InputError(f"initial pose: the object must be in front of the camera (z > 0), got z = {X_CO[2, 3]:.4g} m")
     U, _, Vt = np.linalg.svd(X_CO[:3, :3])
     X_CO = se3.pose(U @ Vt, X_CO[:3, 3])
-    return Belief(at_rest(X_CO), "uncertain", time=time, number=number, X_CO_given=X_CO, started=True)
+    return Belief(
+        at_rest(X_CO), "uncertain", time=time, number=number, keyframes=keyframes, X_CO_given=X_CO, started=True
+    )
 
 
 def step(
@@ -207,7 +213,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
     if best.against is not None:
-        keyframes = tuple(k for k in keyframes if k is not best.against)
+        keyframes = tuple(k for k in keyframes if k.lasting or k is not best.against)
     if best.led_by is not None:
         keyframes = _doubt(keyframes, best)
     if (
@@ -242,11 +248,11 @@ def _agility(belief: Belief, ahead: Motion, motion: Motion) -> float:
 
 def _doubt(keyframes: tuple[Keyframe, ...], best: Attempt) -> tuple[Keyframe, ...]:
     """Less confidence in the pose of a keyframe that led where the edges do not fit: they may put it right."""
-    if best.evidence.sigma < 1.0 and best.evidence.edges > 0.4:
+    if best.led_by.lasting or (best.evidence.sigma < 1.0 and best.evidence.edges > 0.4):
         return keyframes
     weaker = replace(best.led_by, covariance=1.5 * best.led_by.covariance, trust=0.93 * best.led_by.trust)
     kept = tuple(weaker if k is best.led_by else k for k in keyframes)
-    return tuple(k for k in kept if k.trust > 0.4 or k is kept[0])
+    return tuple(k for k in kept if k.trust > 0.4 or k.lasting or k is kept[0])
 
 
 def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, evidence: Evidence) -> tuple[Keyframe, ...]:
@@ -270,7 +276,10 @@ def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, eviden
         evidence.by_edges if keyframes else evidence.score,
         evidence.sigma,
     )
-    return keyframes if new is None else (*keyframes[-11:], new)
+    if new is None:
+        return keyframes
+    lasting, learnt = ([k for k in keyframes if k.lasting is kind] for kind in (True, False))
+    return (*lasting, *learnt[1 - LEARNT :], new)
 
 
 def _spread_px(ahead, sight):

@@ -10,6 +10,7 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.signals import CameraFrame, ObjectPose, Occluders
 from vipr.systems.timing import LEDGER
 from vipr.systems.tracking.cad_model import CadModel
+from vipr.systems.tracking.known_view import KnownView, known_keyframe
 from vipr.systems.tracking.model_tracking import Belief, TrackerSettings, start, step
 
 
@@ -42,7 +43,7 @@ class ModelTracker(LeafSystem):
     is taken up: one step of ``model_tracking``; a dropped frame (no pixels) only predicts; the same frame again does nothing. The pose is
     held between ticks. Before the first frame it is lost. ``X_CO_initial`` (4, 4) starts the search in the first frame; an
     ``initial_pose`` (may be left unconnected) whose state is not lost and whose time is new starts it afresh. ``occluders`` (may be left
-    unconnected) are bodies known to stand in front.
+    unconnected) are bodies known to stand in front. ``views`` are pictures of the object whose poses are known.
 
     Source: paper III-B, Fig. 6, equations 25 to 35.
     """
@@ -54,16 +55,19 @@ class ModelTracker(LeafSystem):
         *,
         X_CO_initial: np.ndarray | None = None,
         settings: TrackerSettings | None = None,
+        views: tuple[KnownView, ...] = (),
         period: float = 0.04,
         offset: float = 0.0,
     ):
         super().__init__()
         self._model, self._lens = model, lens
         self._settings = settings or TrackerSettings()
+        known = [known_keyframe(view, model, lens, self._settings.patches) for view in views if self._settings.texture]
+        self._known = tuple(keyframe for keyframe in known if keyframe is not None)
         self._frame = self.DeclareAbstractInputPort("frame", Value(CameraFrame()))
         self._initial = self.DeclareAbstractInputPort("initial_pose", Value(ObjectPose()))
         self._occluders = self.DeclareAbstractInputPort("occluders", Value(Occluders()))
-        belief = Belief() if X_CO_initial is None else start(X_CO_initial)
+        belief = Belief() if X_CO_initial is None else start(X_CO_initial, keyframes=self._known)
         self._memory = self.DeclareAbstractState(Value(_Memory(belief)))
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, self._update)
         self.DeclareAbstractOutputPort(
@@ -80,7 +84,8 @@ class ModelTracker(LeafSystem):
             if self._initial.HasValue(context):
                 initial = self._initial.Eval(context)
                 if initial.state != "lost" and initial.time > memory.initial_time:
-                    memory = replace(memory, belief=start(initial.X_CO), initial_time=initial.time)
+                    belief = start(initial.X_CO, keyframes=self._known)
+                    memory = replace(memory, belief=belief, initial_time=initial.time)
             if frame.number > memory.frame_number and memory.belief.started:
                 occluders = self._occluders.Eval(context).triangles_C if self._occluders.HasValue(context) else None
                 time = frame.time if frame.arrived else context.get_time()

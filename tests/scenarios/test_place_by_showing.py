@@ -1,6 +1,7 @@
 """``vipr teach`` and ``vipr run place_by_showing``: the file of a place, its errors, and that the object comes nearer to it."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,17 @@ def test_a_place_comes_back_from_its_file_as_it_was(tmp_path):
     assert np.allclose(back.pixels, PLACE.pixels, atol=1e-3) and np.allclose(back.points_O, BOX)
     task = back.task(LENS, fixed_camera())
     assert np.allclose(task.X_CO_shown, X_CO, atol=1e-4)
+    assert back.views(LENS) == (), "no picture was kept"
+
+
+def test_the_picture_of_a_place_is_kept_beside_its_file_with_the_pose_of_its_corners(tmp_path):
+    seen = np.random.default_rng(0).integers(0, 255, (480, 640, 3)).astype(np.uint8)
+    save_shown_place(replace(PLACE, picture=seen), tmp_path / "place.yaml")
+    (view,) = load_shown_place(tmp_path / "place.yaml").views(LENS)
+    assert np.array_equal(view.image, seen) and np.allclose(view.X_CO, X_CO, atol=1e-4)
+    (tmp_path / "place.png").write_bytes(b"no picture")
+    with pytest.raises(InputError, match=r"shown place: its picture .*place\.png cannot be read"):
+        load_shown_place(tmp_path / "place.yaml")
 
 
 @pytest.mark.parametrize(
