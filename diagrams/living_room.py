@@ -28,6 +28,7 @@ from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 from pydrake.systems.sensors import CameraInfo, RgbdSensor
 
 from vipr.models import model_path
+from vipr.systems.camera.imperfections import ImperfectCamera
 from vipr.systems.camera.room_light import RoomLight
 from vipr.systems.hands.label_truth import FACE, LEFT, RIGHT
 from vipr.systems.hands.person_truth import PersonTruth
@@ -81,14 +82,20 @@ class LivingRoom(Diagram):
 
     World W: the floor below the person, x towards the camera, y to the person's left, z up. ``person_positions`` in the order of
     ``vipr.models.person.generate.JOINTS`` (m, rad); ``light`` is (intensity, colour temperature [K]). ``frame`` and ``hand_tracks_true``
-    are sampled together every ``period`` s from t = 0; ``color_image`` and ``label_image`` are rendered when asked for::
+    are sampled together every ``period`` s from t = 0, the frame with what the camera's ``electronics`` add (nothing if not given);
+    ``color_image`` and ``label_image`` are rendered when asked for::
 
         person_positions -> poses -> scene_graph -> camera -> room_light -> frame
                                                           `-> truth -> hand_tracks_true
     """
 
     def __init__(
-        self, body: str = "medium", look: Look | None = None, place: CameraPlace | None = None, period: float = 0.04
+        self,
+        body: str = "medium",
+        look: Look | None = None,
+        place: CameraPlace | None = None,
+        period: float = 0.04,
+        electronics: ImperfectCamera | None = None,
     ):
         super().__init__()
         look, place = look or Look(), place or CameraPlace()
@@ -113,7 +120,7 @@ class LivingRoom(Diagram):
 
         poses = builder.AddNamedSystem("poses", MultibodyPositionToGeometryPose(person))
         camera = builder.AddNamedSystem("camera", _camera(scene_graph, place))
-        light = builder.AddNamedSystem("room_light", RoomLight(period))
+        light = builder.AddNamedSystem("room_light", RoomLight(period, electronics=electronics))
         truth = builder.AddNamedSystem("truth", PersonTruth(period))
         builder.ExportInput(poses.get_input_port(), "person_positions")
         builder.ExportInput(light.GetInputPort("light"), "light")

@@ -3,6 +3,7 @@
 import difflib
 
 from vipr.scenarios.align import Align, Follow
+from vipr.scenarios.instruct import Instruct
 from vipr.scenarios.pick import Pick
 from vipr.scenarios.place_by_showing import PlaceByShowing
 from vipr.scenarios.scenario import Scenario
@@ -10,7 +11,7 @@ from vipr.scenarios.torque_switch import TorqueSwitch
 from vipr.systems.errors import InputError
 
 SCENARIOS: dict[str, type[Scenario]] = {
-    scenario.name: scenario for scenario in (Align, Follow, PlaceByShowing, Pick, TorqueSwitch)
+    scenario.name: scenario for scenario in (Instruct, Align, Follow, PlaceByShowing, Pick, TorqueSwitch)
 }
 
 

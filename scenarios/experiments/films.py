@@ -154,23 +154,15 @@ def _read(file):
 def _rendered(paths, seed, tick):
     os.environ.setdefault("LP_NUM_THREADS", "1")  # of the software renderer: pictures are small, films run side by side
     from vipr.scenarios.people.film import film_gestures
+    from vipr.scenarios.people.motion import greeting
 
     films = []
-    for film in film_gestures([_greeting(), *paths], seed=seed, truth=False):
+    for film in film_gestures([greeting(), *paths], seed=seed, truth=False):
         t = film.tracks
         films.append((t.positions, t.seen, t.merged, t.areas))
         if len(films) > 1:
             tick(1)
     return films[1:]
-
-
-def _greeting():
-    """Both hands move about for 2.4 s before a sitting begins: the tracker learns skin, room and hands."""
-    from vipr.scenarios.people.motion import HandPaths
-
-    turn = np.linspace(0.0, 4.0 * np.pi, 60)
-    wave = np.column_stack([np.full(60, 0.36), 0.12 * np.sin(turn), 0.1 * np.cos(turn) - 0.2])
-    return HandPaths(right=wave + (0.0, -0.34, 0.0), left=wave * (1.0, -1.0, 1.0) + (0.0, 0.34, 0.0))
 
 
 def _stand_in(paths, seed, tick):

@@ -34,6 +34,8 @@ LANGUAGE = {
     "cancel": ([(0.24, -0.2), (-0.16, -0.14), (0.24, -0.2), (-0.16, -0.14), (0.24, -0.2)],) * 2,
 }
 POINTING = ("fetch", "put")
+STROKES = [stroke for pair in LANGUAGE.values() for stroke in pair if isinstance(stroke, list)]
+LEAST_WAY = 0.15  # m from one gesture to the next
 
 
 @dataclass(frozen=True)
@@ -142,10 +144,10 @@ def _place(plane):
 
 
 def idle(person: Person, rng: np.random.Generator, hold: int = PAUSE) -> tuple[HandPaths, str]:
-    """Hands that instruct nobody: talking, fidgeting, scratching, raising or lowering a hand, reaching, folding; and which it was."""
+    """Hands that instruct nobody, and what they do: talk, fidget, scratch, reach, fold, go up or down, or from one gesture to the next."""
     from vipr.models.person.generate import BODIES
 
-    kind = str(rng.choice(["talk", "talk", "fidget", "scratch", "raise", "lower", "reach", "fold"]))
+    kind = str(rng.choice(["talk", "talk", "fidget", "scratch", "raise", "lower", "reach", "fold", "way", "way"]))
     hanging = [rest(BODIES["medium"], side) for side in ("right", "left")]
     home = [_place(np.array([[-HOME[0], HOME[1]]]))[0], _place(HOME[None])[0]]
     mirror = np.array([1.0, -1.0, 1.0])
@@ -173,6 +175,7 @@ def idle(person: Person, rng: np.random.Generator, hold: int = PAUSE) -> tuple[H
             "lower": lambda h, r: [h, r],
             "reach": lambda h, r: [r, np.array([0.45, -rng.uniform(0.1, 0.6), rng.uniform(-0.5, -0.3)]), r],
             "fold": lambda h, r: [r, np.array([0.24, 0.02, -0.2])],
+            "way": lambda h, r: _way(r, rng),
         }[kind]
         both = kind == "fold" or (kind in ("raise", "lower") and rng.random() < 0.4)
         side = int(rng.integers(2))
@@ -184,6 +187,15 @@ def idle(person: Person, rng: np.random.Generator, hold: int = PAUSE) -> tuple[H
         base = np.concatenate([base, np.repeat(base[-1:], hold, 0)])
         paths = [base, base * mirror] if both else [base if side == 0 else None, base * mirror if side == 1 else None]
     return HandPaths(*paths), kind
+
+
+def _way(hanging: np.ndarray, rng: np.random.Generator) -> list[np.ndarray]:
+    """From where one gesture of the right hand ends (or from the side) to where another begins (or to the side), not too near."""
+    ends, starts = ([hanging, *(_place(np.array([s[k]]) * (-1.0, 1.0))[0] for s in STROKES)] for k in (-1, 0))
+    while True:
+        a, b = ends[rng.integers(len(ends))], starts[rng.integers(len(starts))]
+        if np.linalg.norm(b - a) > LEAST_WAY:
+            return [a, b]
 
 
 def perform_all(

@@ -8,7 +8,7 @@ import numpy as np
 
 from vipr.diagrams.living_room import CameraPlace, LivingRoom, Look, random_look
 from vipr.models.person.generate import BODIES
-from vipr.scenarios.people.motion import HandPaths, joint_positions, rest
+from vipr.scenarios.people.motion import SIDES, HandPaths, joint_positions, led_in, rest
 from vipr.systems.camera.illumination import WHITE_KELVIN, illuminate
 from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
 from vipr.systems.hands.label_truth import tracks_from_labels
@@ -16,8 +16,6 @@ from vipr.systems.hands.pipeline import PeopleBelief, see_people
 from vipr.systems.signals import HandTracks
 
 PARTS = ("face", "left", "right")
-SIDES = ("right", "left")
-STRIDE = 0.05  # m a frame, the pace of a hand between two gestures
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +120,7 @@ def film_gestures(
     belief, number = PeopleBelief(), 0
     before = {side: rest(stage.body, side) for side in SIDES}
     for path in paths:
-        whole = _led_in(path, before, stage.body, pause)
+        whole = led_in(path, before, stage.body, pause)
         before = {s: rest(stage.body, s) if getattr(path, s) is None else getattr(path, s)[-1] for s in SIDES}
         tracks, truths, pictures = [], [], []
         for k, q in enumerate(joint_positions(whole, stage.body, rng, rate=rate)):
@@ -139,20 +137,3 @@ def film_gestures(
         yield Film(
             TrackTable.of(tracks), TrackTable.of(truths), stage.shoulder_px, np.array(pictures) if images else None
         )
-
-
-def _led_in(path: HandPaths, before: dict, body, pause: int) -> HandPaths:
-    """The path after the way to its beginning from ``before``, at most ``STRIDE`` a frame on average, and a pause."""
-    start = {s: rest(body, s) if getattr(path, s) is None else getattr(path, s)[0] for s in SIDES}
-    furthest = max(np.linalg.norm(start[s] - before[s]) for s in SIDES)
-    share = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, max(4, int(np.ceil(furthest / STRIDE)))))[:, None]
-    hands = {}
-    for side in SIDES:
-        own = getattr(path, side)
-        if own is None and np.array_equal(before[side], start[side]):
-            hands[side] = None
-            continue
-        there = np.repeat(start[side][None], pause + (len(path) if own is None else 0), axis=0)
-        way = before[side] + share * (start[side] - before[side])
-        hands[side] = np.concatenate([way, there, *([] if own is None else [own])])
-    return HandPaths(**hands)

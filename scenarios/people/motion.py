@@ -11,6 +11,9 @@ import numpy as np
 from vipr.models.person.generate import JOINTS, Body
 from vipr.systems.errors import InputError
 
+SIDES = ("right", "left")
+STRIDE = 0.05  # m a frame, the pace of a hand between two gestures
+
 
 @dataclass(frozen=True, eq=False)
 class HandPaths:
@@ -113,3 +116,27 @@ def joint_positions(
             )
         q[:, start : start + 5] = arm_angles(path, body, side)
     return q
+
+
+def led_in(path: HandPaths, before: dict[str, np.ndarray], body: Body, pause: int) -> HandPaths:
+    """The path after the way to its beginning from ``before``, at most ``STRIDE`` a frame on average, and a pause."""
+    start = {s: rest(body, s) if getattr(path, s) is None else getattr(path, s)[0] for s in SIDES}
+    furthest = max(np.linalg.norm(start[s] - before[s]) for s in SIDES)
+    share = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, max(4, int(np.ceil(furthest / STRIDE)))))[:, None]
+    hands = {}
+    for side in SIDES:
+        own = getattr(path, side)
+        if own is None and np.array_equal(before[side], start[side]):
+            hands[side] = None
+            continue
+        there = np.repeat(start[side][None], pause + (len(path) if own is None else 0), axis=0)
+        way = before[side] + share * (start[side] - before[side])
+        hands[side] = np.concatenate([way, there, *([] if own is None else [own])])
+    return HandPaths(**hands)
+
+
+def greeting() -> HandPaths:
+    """Both hands move about for 2.4 s at 25 Hz: who watches learns skin, room and hands."""
+    turn = np.linspace(0.0, 4.0 * np.pi, 60)
+    wave = np.column_stack([np.full(60, 0.36), 0.12 * np.sin(turn), 0.1 * np.cos(turn) - 0.2])
+    return HandPaths(right=wave + (0.0, -0.34, 0.0), left=wave * (1.0, -1.0, 1.0) + (0.0, 0.34, 0.0))

@@ -33,7 +33,8 @@ class PersonTruth(LeafSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, self._update)
 
     def _update(self, context, state):
-        labels = self._labels.Eval(context).data
+        with LEDGER.charge("render"):
+            labels = self._labels.Eval(context).data
         with LEDGER.charge("logging"):
             time = context.get_time()
             tracks = tracks_from_labels(labels[:, :, 0], time, round((time - self._offset) / self._period))

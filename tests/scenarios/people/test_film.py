@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from vipr.models.person.generate import BODIES
-from vipr.scenarios.experiments.films import _greeting
-from vipr.scenarios.people.film import SIDES, STRIDE, _led_in, film_gestures
-from vipr.scenarios.people.motion import HandPaths, rest
+from vipr.scenarios.people.film import film_gestures
+from vipr.scenarios.people.motion import SIDES, STRIDE, HandPaths, greeting, led_in, rest
 
 BODY = BODIES["medium"]
 HIGH = np.tile([0.36, -0.3, 0.1], (5, 1))
@@ -14,7 +13,7 @@ HIGH = np.tile([0.36, -0.3, 0.1], (5, 1))
 
 def test_a_hand_walks_to_where_its_path_begins_and_pauses_there():
     hanging = {s: rest(BODY, s) for s in SIDES}
-    whole = _led_in(HandPaths(right=HIGH), hanging, BODY, pause=6)
+    whole = led_in(HandPaths(right=HIGH), hanging, BODY, pause=6)
     assert whole.left is None  # goes on hanging
     np.testing.assert_allclose(whole.right[0], hanging["right"])
     np.testing.assert_allclose(whole.right[-11:], np.tile(HIGH[0], (11, 1)))
@@ -24,7 +23,7 @@ def test_a_hand_walks_to_where_its_path_begins_and_pauses_there():
 
 def test_a_hand_that_is_no_longer_needed_goes_down():
     before = {"right": HIGH[0], "left": rest(BODY, "left")}
-    whole = _led_in(HandPaths(left=HIGH * (1, -1, 1)), before, BODY, pause=6)
+    whole = led_in(HandPaths(left=HIGH * (1, -1, 1)), before, BODY, pause=6)
     np.testing.assert_allclose(whole.right[0], HIGH[0])
     np.testing.assert_allclose(whole.right[-5:], np.tile(rest(BODY, "right"), (5, 1)))
     assert len(whole.left) == len(whole.right)
@@ -32,7 +31,7 @@ def test_a_hand_that_is_no_longer_needed_goes_down():
 
 @pytest.fixture(scope="module")
 def filmed():
-    paths = [_greeting(), HandPaths(right=HIGH), HandPaths(right=HIGH + (0.0, 0.2, -0.2))]
+    paths = [greeting(), HandPaths(right=HIGH), HandPaths(right=HIGH + (0.0, 0.2, -0.2))]
     return list(film_gestures(paths, seed=3))
 
 

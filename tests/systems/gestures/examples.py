@@ -4,9 +4,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from vipr.systems.gestures.announcer import GestureAnnouncer
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.recogniser import GestureRecogniser
-from vipr.systems.signals import HandTracks
+from vipr.systems.signals import CameraFrame, Gesture, HandTracks, SkinRegions
 
 
 def stroke(name, n=14):
@@ -48,4 +49,28 @@ def recogniser():
     return system, fix
 
 
-EXAMPLES = {GestureRecogniser: recogniser}
+def gesture_at(time):
+    """Nothing yet, then "out" at 0.1 s."""
+    if time < 0.1:
+        return Gesture()
+    direction = np.array([-1.0, 0.0])
+    return Gesture("out", 0.9, False, start=0.02, end=0.06, named=0.1, direction=direction, number=3)
+
+
+def announcer():
+    system = GestureAnnouncer(("up", "out"), zoom=2)
+
+    def fix(context, t):
+        frame = CameraFrame(np.full((120, 160, 3), 90, np.uint8), t, round(t / 0.04))
+        for name, value in (
+            ("frame", frame),
+            ("regions", SkinRegions()),
+            ("hand_tracks", tracks_at(t)),
+            ("gesture", gesture_at(t)),
+        ):
+            system.GetInputPort(name).FixValue(context, value)
+
+    return system, fix
+
+
+EXAMPLES = {GestureRecogniser: recogniser, GestureAnnouncer: announcer}

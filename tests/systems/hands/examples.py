@@ -4,8 +4,9 @@ import numpy as np
 from pydrake.systems.sensors import ImageLabel16I
 
 from vipr.systems.hands.person_truth import PersonTruth
+from vipr.systems.hands.track_points import TrackPoints
 from vipr.systems.hands.tracker import HandTracker
-from vipr.systems.signals import SkinRegions
+from vipr.systems.signals import HandTracks, SkinRegions
 
 
 def regions_of(parts, time, number, size=(160, 120)):
@@ -58,4 +59,16 @@ def truth():
     return system, fix
 
 
-EXAMPLES = {HandTracker: tracker, PersonTruth: truth}
+def points():
+    system = TrackPoints()
+
+    def fix(context, t):
+        tracks = HandTracks(
+            face=np.array([80.0, 30.0]), right=np.array([40.0 + t, 80.0]), face_seen=True, right_seen=t > 0.1
+        )
+        system.GetInputPort("hand_tracks").FixValue(context, tracks)
+
+    return system, fix
+
+
+EXAMPLES = {HandTracker: tracker, PersonTruth: truth, TrackPoints: points}

@@ -1,0 +1,24 @@
+"""The map of the robot that watches a person."""
+
+from vipr.diagrams.gesture_robot import GestureRobot
+
+import laws
+from examples import EXAMPLES
+
+WIRES = [
+    "gestures.gesture -> announcer.gesture",
+    "hands.hand_tracks -> announcer.hand_tracks",
+    "hands.hand_tracks -> gestures.hand_tracks",
+    "hands.hand_tracks -> points.hand_tracks",
+    "hands.hand_tracks -> skin.hand_tracks",
+    "living_room.frame -> announcer.frame",
+    "living_room.frame -> skin.frame",
+    "living_room.hand_tracks_true -> points_true.hand_tracks",
+    "skin.regions -> announcer.regions",
+    "skin.regions -> hands.regions",
+]
+
+
+def test_the_person_is_seen_by_these_wires_and_no_others():
+    robot, _ = EXAMPLES[GestureRobot]()
+    assert laws.wires(robot) == WIRES
