@@ -127,7 +127,7 @@ def test_every_gesture_can_be_made_and_some_point(name):
 
 def test_idle_hands_are_of_many_kinds():
     rng = np.random.default_rng(3)
-    assert len({idle(Person.drawn(1), rng)[1] for _ in range(60)}) == 7
+    assert len({idle(Person.drawn(1), rng)[1] for _ in range(60)}) == 8
 
 
 @pytest.fixture(scope="module")
