@@ -1,13 +1,12 @@
 """Many runs of one scenario, some at a time."""
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 from vipr.scenarios.catalogue import find_scenario
 from vipr.scenarios.run import run_scenario
 from vipr.scenarios.settings import load_settings
+from vipr.scenarios.workers import in_processes
 
 Variant = tuple[Sequence[str], Path]  # overrides of the settings, the folder for its runs
 
@@ -20,8 +19,7 @@ def run_many(scenario: str, variants: Sequence[Variant], seeds: Sequence[int], j
     for overrides, _ in variants:
         _planned(scenario, overrides, seeds[0]).build()
     calls = [(scenario, list(overrides), seed, folder) for seed in seeds for overrides, folder in variants]
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        summaries = list(pool.map(_run_one, *zip(*calls, strict=True)))
+    summaries = list(in_processes(_run_one, calls, jobs))
     return [summaries[k :: len(variants)] for k in range(len(variants))]
 
 

@@ -7,14 +7,13 @@ one file, which belongs to the code and the models that made it: after a change 
 import hashlib
 import os
 import zipfile
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from itertools import repeat
-from multiprocessing import get_context
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
+from vipr.scenarios.workers import in_processes
 from vipr.systems.errors import InputError
 from vipr.systems.signals import HandTracks
 from vipr.systems.sources import digest_of_modules
@@ -111,19 +110,17 @@ def film(sittings: list[Sitting], folder: Path, jobs: int = 1, tick=lambda n: No
     there = [_read(folder / s.file) for s in sittings]
     tick(sum(len(s.labels) for s, table in zip(sittings, there, strict=True) if table is not None))
     missing = [k for k, table in enumerate(there) if table is None]
-    if jobs == 1 or len(missing) < 2:
-        for k in missing:
-            there[k] = _make(sittings[k], folder, tick)
-    else:
-        with ProcessPoolExecutor(min(jobs, len(missing)), get_context("spawn")) as pool:
-            for k, table in zip(missing, pool.map(_make, [sittings[k] for k in missing], repeat(folder)), strict=True):
-                there[k] = table
-                tick(len(sittings[k].labels))
+    here = [k for k in missing if sittings[k].camera == "stand-in"]  # a moment's work
+    apart = [k for k in missing if sittings[k].camera == "rendered"]
+    made = in_processes(_make, [(sittings[k], folder) for k in apart], jobs)
+    for k, table in chain(((k, _make(sittings[k], folder)) for k in here), zip(apart, made, strict=True)):
+        there[k] = table
+        tick(len(sittings[k].labels))
     return [_reel(s, table) for s, table in zip(sittings, there, strict=True)]
 
 
-def _make(sitting, folder, tick=lambda n: None):
-    films = (_rendered if sitting.camera == "rendered" else _stand_in)(sitting.paths, sitting.seed, tick)
+def _make(sitting, folder):
+    films = (_rendered if sitting.camera == "rendered" else _stand_in)(sitting.paths, sitting.seed)
     table = {name: np.concatenate([f[k] for f in films]) for k, name in enumerate(COLUMNS[:-1])}
     table["lengths"] = np.array([len(f[0]) for f in films])
     file = folder / sitting.file
@@ -151,7 +148,7 @@ def _read(file):
         return None
 
 
-def _rendered(paths, seed, tick):
+def _rendered(paths, seed):
     os.environ.setdefault("LP_NUM_THREADS", "1")  # of the software renderer: pictures are small, films run side by side
     from vipr.scenarios.people.film import film_gestures
     from vipr.scenarios.people.motion import greeting
@@ -160,12 +157,10 @@ def _rendered(paths, seed, tick):
     for film in film_gestures([greeting(), *paths], seed=seed, truth=False):
         t = film.tracks
         films.append((t.positions, t.seen, t.merged, t.areas))
-        if len(films) > 1:
-            tick(1)
     return films[1:]
 
 
-def _stand_in(paths, seed, tick):
+def _stand_in(paths, seed):
     """A camera in name only: hands projected from 2.1 m, each seen with 1 px of noise, nothing hidden."""
     from vipr.models.person.generate import BODIES
     from vipr.scenarios.people.motion import rest
@@ -187,5 +182,4 @@ def _stand_in(paths, seed, tick):
         seen = np.ones((n, 3), bool)
         noise = rng.normal(0.0, 1.0, (n, 3, 2))
         films.append((np.stack(pixels, axis=1) + noise, seen, ~seen, np.tile([170.0, 80.0, 80.0], (n, 1))))
-        tick(1)
     return films

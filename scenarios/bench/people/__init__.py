@@ -7,10 +7,11 @@ import numpy as np
 
 from vipr.scenarios.bench.people.clips import FACE_TOLERANCE, HAND_TOLERANCE, run_clips
 from vipr.scenarios.bench.people.pixels import classifiers, photographs, room_pixels, scores, uci_pixels
-from vipr.scenarios.bench.people.rooms import expose, film, judge, shots, summarise
+from vipr.scenarios.bench.people.rooms import expose, judge, judge_room, shots, summarise
 from vipr.scenarios.bench.people.time import time_table
 from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.scenarios.people.scenes import light_program, random_scene
+from vipr.scenarios.workers import in_processes
 from vipr.systems.errors import InputError
 from vipr.systems.hands.parts import PARTS
 from vipr.systems.skin.classifier import SkinOptions
@@ -55,10 +56,9 @@ def run(
 def rooms_tables(scenes: int, seed: int, progress) -> Iterator[Table]:
     """Rendered rooms: accuracy, seen or not, identities; over all and by what the scene is like."""
     results = []
-    for k in range(scenes):
-        progress(f"room {k + 1} of {scenes}")
-        scene = random_scene(seed + k)
-        results.append(judge(scene, film(scene)))
+    for result in in_processes(judge_room, [(seed + k,) for k in range(scenes)]):
+        results.append(result)
+        progress(f"room {len(results)} of {scenes}")
     columns = (
         "scenes",
         "n",

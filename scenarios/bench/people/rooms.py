@@ -7,7 +7,7 @@ from scipy.ndimage import binary_dilation
 
 from vipr.scenarios.people.film import PARTS, TrackTable, studio
 from vipr.scenarios.people.motion import joint_positions
-from vipr.scenarios.people.scenes import Scene
+from vipr.scenarios.people.scenes import Scene, random_scene
 from vipr.systems.camera.illumination import illuminate
 from vipr.systems.camera.imperfections import ImperfectCamera, Imperfection
 from vipr.systems.hands.label_truth import LEFT, RIGHT, tracks_from_labels
@@ -68,6 +68,12 @@ def judge(scene: Scene, frames, options: SkinOptions = SkinOptions()) -> RoomRes
     with np.errstate(invalid="ignore"):
         swapped = hands & (crossed < FAR).all(1) & (error[:, 1:] > crossed.max(1, keepdims=True)).all(1)
     return RoomResult(scene, error, a.seen, b.seen, np.array(contact), swapped)
+
+
+def judge_room(seed: int) -> RoomResult:
+    """The random scene of a seed, filmed under its own light and followed."""
+    scene = random_scene(seed)
+    return judge(scene, film(scene))
 
 
 def summarise(results: list[RoomResult]) -> dict:
