@@ -23,7 +23,9 @@ from vipr.systems.camera.camera import Camera
 from vipr.systems.camera.imperfections import Imperfection
 from vipr.systems.camera.lens import Lens, load_lens
 from vipr.systems.camera.offscreen import add_renderer, colour_sensor, daylight
+from vipr.systems.grasping.payload import HAND_CENTRE, HAND_MASS
 from vipr.systems.hand.driver import HandDriver
+from vipr.systems.hand.finger import GRASP_HEIGHT
 from vipr.systems.hand.torque_switch import GRASPING, Drives
 from vipr.systems.tracking.cad_model import load_model
 from vipr.systems.truth import PoseTruth
@@ -31,8 +33,6 @@ from vipr.systems.truth import PoseTruth
 RENDERER = "vtk"
 STAGE = np.array([0.55, 0.0, 0.52])  # m, middle of the stage's plate at its zero
 STAGE_TRAVEL = np.array([0.20, 0.15, np.pi])  # m, m, rad: each way
-GRASP_CENTRE = 0.135  # m, from the hand's mounting face to its frame ``grasp``
-HAND_MASS, HAND_CENTRE = 1.1, 0.06  # kg; m from the flange: what the gravity compensation is told of the hand
 
 # Joint servo: stiff in the first three joints; damping against the inertia of rotor and links (N m/rad, N m s/rad).
 STIFFNESS = np.array([4000.0, 4000.0, 3000.0, 400.0, 400.0, 400.0])
@@ -54,7 +54,7 @@ def fixed_camera(distance: float = 2.0) -> np.ndarray:
 
 def puma_with_hand() -> SerialArm:
     """The arm's kinematics with the hand's grasp centre as tool E."""
-    X_6E = se3.pose(np.eye(3), [0.0, 0.0, puma560.FLANGE + GRASP_CENTRE])
+    X_6E = se3.pose(np.eye(3), [0.0, 0.0, puma560.FLANGE + GRASP_HEIGHT])
     return SerialArm(puma560.D, puma560.A, puma560.ALPHA, X_6E)
 
 
@@ -120,7 +120,7 @@ def held_shapes(config: WorkcellConfig) -> tuple[Shape, ...]:
         return ()
     corners = load_model(model_path(f"{config.object}/model.yaml")).corners
     low, high = corners.min(axis=0), corners.max(axis=0)
-    X_PO = se3.pose(np.eye(3), [0.0, 0.0, GRASP_CENTRE]) @ config.X_EO_held
+    X_PO = se3.pose(np.eye(3), [0.0, 0.0, GRASP_HEIGHT]) @ config.X_EO_held
     return (box(config.object, high - low, X_PO @ se3.pose(np.eye(3), 0.5 * (low + high))),)
 
 

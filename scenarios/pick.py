@@ -1,6 +1,6 @@
 """``pick``: an object is found by sight, grasped as it was taught, lifted, carried and held (paper III-E, Fig. 10)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +35,7 @@ MOTORS = (*FINGERS, "spread")
 KNOCKED_OVER = np.radians(25.0)
 
 
+POSE_ERRORS = ("seen", "believed")
 CONTACT_MODELS = ("hydroelastic_with_fallback", "point")
 
 
@@ -53,6 +54,7 @@ class PickScenarioSettings:
     initial_error_deg: float = 5.0
     pose_error_mm: float = 0.0  # added to what the tracker sees before the grasp is planned: for measuring
     pose_error_deg: float = 0.0
+    pose_error_in: str = POSE_ERRORS[0]  # seen: the support corrects what it can; believed: added after that
     duration_s: float = 45.0  # at most
     film: bool = True  # the camera runs all the time; else only while the task looks
     camera: Imperfection = Imperfection()
@@ -68,6 +70,7 @@ class PickScenarioSettings:
     def __post_init__(self):
         require_one_of("object", self.object, object_names())
         require_one_of("lie", self.lie, LIES)
+        require_one_of("pose_error_in", self.pose_error_in, POSE_ERRORS)
         require_one_of("contact_model", self.contact_model, CONTACT_MODELS)
         require_within(self, supersampling=(1, 4), ballast_kg=(0, 100), duration_s=(1, 600), time_step_s=(1e-4, 0.01))
         require_within(self, initial_error_mm=(0, 500), initial_error_deg=(0, 180))
@@ -87,7 +90,8 @@ class Pick(Scenario):
         self._cad = load_model(model_path(f"{s.object}/model.yaml"))
         path = Path(s.grasps) if s.grasps else model_path(f"{s.object}/model.yaml").with_name("grasps.yaml")
         self._table = load_grasps(path)
-        self._table.check(self._table.mass + s.ballast_kg)
+        mass = self._table.mass + s.ballast_kg
+        self._table = replace(self._table.check(mass), mass=mass)
         self.placement = self._place(rng)
         X_WC = fixed_camera()
         self._config = WorkcellConfig(
@@ -135,7 +139,8 @@ class Pick(Scenario):
         s = self.settings
         surroundings = around(self.placement.stage, JOINT_LIMITS, self._cad)
         table = best_only(self._table) if s.one_grasp else self._table
-        picker = Picker(table, surroundings, self._X_WC, s.pick, self._pose_error)
+        believed = s.pose_error_in == "believed"
+        picker = Picker(table, surroundings, self._X_WC, s.pick, self._pose_error, error_believed=believed)
         robot = PickRobot(
             Workcell(self._config),
             self._cad,

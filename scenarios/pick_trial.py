@@ -28,7 +28,7 @@ def pick_trial(object_: str, seed: int, overrides: tuple[str, ...] = ()) -> dict
     times, X_WO, X_WE, phases, kinetic = _watch(diagram, scenario.duration)
     outcome = judge_pick(times, X_WO, X_WE, phases, settings.pick.errand.lift)
     hold = [t for t, text in phases if text == "hold"]
-    if hold and outcome.success:
+    if hold and outcome.success and settings.pick.hold_s > 1.0:
         during = (times > hold[-1] + 0.5) & (times < hold[-1] + settings.pick.hold_s)
         energy = kinetic[during]
         third = max(1, len(energy) // 3)

@@ -4,7 +4,7 @@ import numpy as np
 
 from vipr.diagrams.workcell import JOINT_LIMITS, fixed_camera, puma_with_hand
 from vipr.systems import se3
-from vipr.systems.grasping.grasp import Grasp, GraspTable
+from vipr.systems.grasping.grasp import Grasp, GraspTable, Symmetry
 from vipr.systems.grasping.pick import Picker
 from vipr.systems.grasping.pick_state import PickSettings
 from vipr.systems.grasping.planning import Surroundings
@@ -13,7 +13,7 @@ from vipr.systems.signals import ObjectPose
 X_WO = se3.pose(np.eye(3), [0.55, 0.0, 0.52])
 FROM_ABOVE = se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 0.14])
 GRASP = Grasp(name="above", X_OG=FROM_ABOVE, preshape=np.full(3, 1.0), closed=np.full(3, 1.2), quality=0.2, held=1.0)
-TABLE = GraspTable("thing", 0.4, grasps=(GRASP,))
+TABLE = GraspTable("thing", 0.3, Symmetry(np.array([0.0, 0.0, 0.06])), (GRASP,))
 
 
 def picker(**settings):

@@ -3,7 +3,7 @@
 Frame O of every object: centre of the bottom face, z up. Sources of the figures: README.md in each object's folder.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -30,6 +30,7 @@ class Thing:
     faces: tuple = ()
     box: tuple | None = None  # size, where the polyhedron is one
     cylinders: tuple = ()
+    facet: float = 0.02  # m, of the contact meshes
 
 
 def box_points(x: float, y: float, z: float) -> tuple:
@@ -128,9 +129,9 @@ def mug() -> Thing:
 def bottle() -> Thing:
     """Bottle of syrup: body 62 mm across and 150 mm high, cap 40 mm across, 185 mm in all."""
     r, h = 0.031, 0.150
-    return turned(
-        0.45, 0.5, artwork.bottle(2 * np.pi * r, h), (0, h, r, "print", "plastic"), (h, 0.185, 0.020, "cap", "cap")
-    )
+    parts = (0, h, r, "print", "plastic"), (h, 0.185, 0.020, "cap", "cap")
+    # Eleven facets around the body, as the can has, one of them at -x: it lies still on it with x up.
+    return replace(turned(0.45, 0.5, artwork.bottle(2 * np.pi * r, h), *parts), facet=0.018)
 
 
 THINGS = {f.__name__: f for f in (milk_carton, rice_box, can, mug, bottle, book)}
@@ -175,7 +176,8 @@ def sdf(name: str, thing: Thing) -> str:
             (f"0 0 {(z0 + z1) / 2:g}", f"<cylinder><radius>{r:g}</radius><length>{z1 - z0:g}</length></cylinder>")
             for z0, z1, r in thing.cylinders
         ]
-    collisions = "".join(COLLISION.format(k=k, at=at, shape=s, mu=thing.friction) for k, (at, s) in enumerate(shapes))
+    common = {"mu": thing.friction, "facet": thing.facet}
+    collisions = "".join(COLLISION.format(k=k, at=at, shape=s, **common) for k, (at, s) in enumerate(shapes))
     values = dict(zip(("ixx", "iyy", "izz"), (f"{v:.6g}" for v in np.diag(moments)), strict=True))
     return SDF.format(name=name, mass=thing.mass, com=f"{com[2]:.6g}", collisions=collisions, **values)
 
@@ -201,7 +203,7 @@ COLLISION = """      <collision name="collision_{k}">
         <drake:proximity_properties>
           <drake:compliant_hydroelastic/>
           <drake:hydroelastic_modulus>1e7</drake:hydroelastic_modulus>
-          <drake:mesh_resolution_hint>0.02</drake:mesh_resolution_hint>
+          <drake:mesh_resolution_hint>{facet:g}</drake:mesh_resolution_hint>
           <drake:hunt_crossley_dissipation>1</drake:hunt_crossley_dissipation>
           <drake:mu_dynamic>{mu}</drake:mu_dynamic>
           <drake:mu_static>{mu}</drake:mu_static>

@@ -20,6 +20,7 @@ def teach(
     object_: OBJECT,
     out: Annotated[Path | None, typer.Option(help="The YAML file; the object's grasps.yaml if not given.")] = None,
     seed: Annotated[int, typer.Option(help="Draws the errors of the pose that the best are tried with.", min=0)] = 1,
+    standing: Annotated[bool, typer.Option(help="Only as it stands: an open mug is not to be laid down.")] = False,
 ) -> None:
     """Try grasps of an object on a bench with the hand alone, judge them, and write the best to its table."""
     from rich.console import Console
@@ -32,9 +33,13 @@ def teach(
     if out is not None and not out.resolve().parent.is_dir():
         raise InputError(f"--out {out}: its folder must exist")
     console = Console(stderr=True, soft_wrap=True)
-    table = search(object_, seed=seed, tick=lambda text: console.print(text, highlight=False))
+    table = search(object_, seed=seed, lying=not standing, tick=lambda text: console.print(text, highlight=False))
     path = out or model_path(f"{object_}/model.yaml").with_name("grasps.yaml")
-    save_grasps(table, path, f"Written by vipr grasp teach {object_} --seed {seed}; lengths in the object's frame O.")
+    save_grasps(
+        table,
+        path,
+        f"Written by vipr grasp teach {object_} --seed {seed}{' --standing' if standing else ''}; lengths in the object's frame O.",
+    )
     _print_table(table)
     print(f"written to {path}")
 

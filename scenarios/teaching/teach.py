@@ -13,11 +13,13 @@ from vipr.systems import se3
 from vipr.systems.errors import InputError
 from vipr.systems.grasping.candidates import Solid, candidates, resting_pose, rests, symmetry
 from vipr.systems.grasping.grasp import Grasp, GraspTable
+from vipr.systems.grasping.payload import DYNAMIC_LOAD, dynamic_load
 from vipr.systems.tracking.cad_model import load_model
 
 KEPT = 3  # grasps of each kind (from above, from the side) and way of resting
 FINALISTS = 4  # of each kind, tried with errors of the pose
 TRIES = 3  # of each finalist
+LEAST_HELD = 0.75  # of all its tries, of a grasp that is kept
 POSE_ERROR = (0.005, np.radians(4.0))  # m and rad, of these tries
 SLIP_SCALE, MOVE_SCALE = (
     3e-4,
@@ -25,15 +27,21 @@ SLIP_SCALE, MOVE_SCALE = (
 )  # m: a grasp that slips so far, or moves the object so far in closing, is worth half
 
 
-def teach(object_: str, *, seed: int = 1, tick: Callable[[str], None] = lambda text: None) -> GraspTable:
-    """The table of an object's grasps, by simulation; InputError if no grasp holds it."""
+def teach(
+    object_: str, *, seed: int = 1, lying: bool = True, tick: Callable[[str], None] = lambda text: None
+) -> GraspTable:
+    """The table of an object's grasps, by simulation; InputError if no grasp holds it. Without ``lying`` only with O's z up."""
     if object_ not in object_names():
         raise InputError(f"grasp teach: unknown object {object_!r}; there are: {', '.join(object_names())}")
     model, rng = load_model(model_path(f"{object_}/model.yaml")), np.random.default_rng(seed)
     solid, kept = Solid.of(model), []
-    for up in rests(model):
+    (mass, mass_centre), alike = mass_and_centre(object_), symmetry(model)
+    for up in rests(model) if lying else rests(model)[:1]:
         X_WO = resting_pose(solid, up)
-        fitting = [grasp for grasp in candidates(solid, up) if fits(grasp, object_, X_WO)]
+        light = [
+            g for g in candidates(solid, up, mass_centre) if dynamic_load(g.X_OG, mass, alike.centre) <= DYNAMIC_LOAD
+        ]
+        fitting = [grasp for grasp in light if fits(grasp, object_, X_WO)]
         for kind in ("above", "side"):
             some = [grasp for grasp in fitting if grasp.name.startswith(kind)]
             kept += _best(some, object_, X_WO, rng, tick)
@@ -43,7 +51,7 @@ def teach(object_: str, *, seed: int = 1, tick: Callable[[str], None] = lambda t
             f"grasp teach: nothing holds {object_}; it is {width[0]:.0f} x {width[1]:.0f} mm across at its narrowest"
         )
     grasps = tuple(sorted(kept, key=lambda grasp: -merit(grasp)))
-    return GraspTable(object_, object_mass(object_), symmetry(model), grasps)
+    return GraspTable(object_, mass, alike, grasps)
 
 
 def merit(grasp: Grasp) -> float:
@@ -51,12 +59,13 @@ def merit(grasp: Grasp) -> float:
     return grasp.held * grasp.quality
 
 
-def object_mass(object_: str) -> float:
-    """Mass [kg] of an object's model."""
+def mass_and_centre(object_: str) -> tuple[float, np.ndarray]:
+    """Mass [kg] of an object's model and its centre (3,) in O."""
     plant = MultibodyPlant(0.0)
     Parser(plant).AddModels(str(model_path(f"{object_}/{object_}.sdf")))
     plant.Finalize()
-    return float(plant.GetBodyByName(object_).default_mass())
+    body = plant.GetBodyByName(object_)
+    return float(body.default_mass()), np.array(body.default_com())
 
 
 def _best(grasps: list[Grasp], object_: str, X_WO: np.ndarray, rng, tick) -> list[Grasp]:
@@ -76,6 +85,7 @@ def _best(grasps: list[Grasp], object_: str, X_WO: np.ndarray, rng, tick) -> lis
         taught = replace(grasp, closed=trial.closed, quality=worth, held=len(held) / len(tries))
         tick(f"{object_}: {grasp.name}: {len(held)} of {len(tries)} held with errors of the pose, quality {worth:.3f}")
         judged.append(taught)
+    judged = [grasp for grasp in judged if grasp.held >= LEAST_HELD]
     return sorted(judged, key=lambda grasp: -merit(grasp))[:KEPT]
 
 

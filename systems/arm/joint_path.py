@@ -36,6 +36,16 @@ class JointPath:
     def end(self) -> np.ndarray:
         return self.curve(1.0)
 
+    def part(self, share: float) -> "JointPath":
+        """The way only as far as s = share, in the same time."""
+        s = self.curve.x
+        return JointPath(CubicSpline(s, self.curve(share * s), axis=0, bc_type="natural"), self.duration)
+
+    def shifted(self, q: np.ndarray) -> "JointPath":
+        """The same way beside it, by q (n,) [rad]."""
+        s = self.curve.x
+        return JointPath(CubicSpline(s, self.curve(s) + q, axis=0, bc_type="natural"), self.duration)
+
     def reversed(self) -> "JointPath":
         """The same way back."""
         s = self.curve.x

@@ -14,9 +14,9 @@ from vipr.systems import se3
 from vipr.systems.errors import InputError
 from vipr.systems.grasping.grasp import Grasp, Symmetry
 from vipr.systems.hand import finger
+from vipr.systems.hand.finger import GRASP_HEIGHT
 from vipr.systems.tracking.cad_model import CadModel
 
-GRASP_HEIGHT = 0.135  # m, of E above the mounting face
 LEAST_BASE = 0.2  # of the height: narrower ones are not stood on
 OPENING = 0.018  # m that each finger stands off the object on the way: what the pose may be wrong by, and some
 PALM_GAP = 0.010  # m between palm and object
@@ -55,13 +55,10 @@ def symmetry(model: CadModel) -> Symmetry:
 
 
 def rests(model: CadModel) -> list[np.ndarray]:
-    """The axes of O (3,) that can point up while the object rests, one of each set that its symmetry makes alike.
-
-    A lying round is not among them: it rolls away.
-    """
+    """The axes of O (3,) that can point up while the object rests, one of each set that its symmetry makes alike: of rounds z and x."""
     solid = Solid.of(model)
     size = solid.high - solid.low
-    axes = (2,) if len(solid.rounds) else (2, 0, 1)
+    axes = (2, 0) if len(solid.rounds) else (2, 0, 1)
     return [np.eye(3)[a] for a in axes if min(np.delete(size, a)) >= LEAST_BASE * size[a]]
 
 
@@ -73,18 +70,29 @@ def resting_pose(solid: Solid, up: np.ndarray, yaw: float = 0.0) -> np.ndarray:
     return se3.pose(R_WO, [-middle[0], -middle[1], half - middle[2]])
 
 
-def candidates(solid: Solid, up: np.ndarray) -> Iterator[Grasp]:
-    """Grasps of the object resting with ``up`` (one of its ``rests``) upwards, those that the hand's fingers can reach around."""
+def candidates(solid: Solid, up: np.ndarray, mass_centre: np.ndarray | None = None) -> Iterator[Grasp]:
+    """Grasps of the object resting with ``up`` (one of its ``rests``) upwards, those that the hand's fingers can reach around.
+
+    From above fingers 1 and 2 go to either side of ``mass_centre`` (3,) in O, so that little turns the object in the hand; of its middle
+    if that is not known.
+    """
     X_WO = resting_pose(solid, up)
     size = np.abs(X_WO[:3, :3]) @ (solid.high - solid.low)
+    upright_round = len(solid.rounds) > 0 and abs(up[2]) > 0.5
+    aside = np.zeros(3) if mass_centre is None else X_WO[:3, :3] @ mass_centre + X_WO[:3, 3]
     for maker in (_from_above, _from_the_side):
-        for name, X_WG, shape in maker(solid, size):
+        for name, X_WG, shape in maker(solid, size, upright_round):
+            if maker is _from_above:
+                along, room = (
+                    X_WG[:3, 0],
+                    max(0.5 * np.abs(X_WG[:3, 0]) @ size - finger.SPREAD_AXIS - finger.RADIUS, 0.0),
+                )
+                X_WG = se3.pose(X_WG[:3, :3], X_WG[:3, 3] + np.clip(along @ aside, -room, room) * along)
             yield Grasp(name=name, up=np.asarray(up, float), X_OG=se3.inverse(X_WO) @ X_WG, **shape)
 
 
-def _from_above(solid: Solid, size: np.ndarray):
-    """Pinches with the palm down: name, X_WG and the hand's shape."""
-    round_ = len(solid.rounds) > 0
+def _from_above(solid: Solid, size: np.ndarray, round_: bool):
+    """Pinches with the palm down: name, X_WG and the hand's shape; a round that lies is taken as a box is, across it."""
     crossings = {"y": [1.0, 0.0, 0.0]} if round_ else {"y": [1.0, 0.0, 0.0], "x": [0.0, 1.0, 0.0]}
     turns, spreads = (("",), ROUND_SPREADS) if round_ else (("", "turned "), (0.0,))
     lowest = size[2] - finger.RADIUS - FLOOR_GAP
@@ -105,9 +113,8 @@ def _from_above(solid: Solid, size: np.ndarray):
             yield name, se3.pose(R_WG, p_WG), _shape(spread, preshape, PINCH, width)
 
 
-def _from_the_side(solid: Solid, size: np.ndarray):
+def _from_the_side(solid: Solid, size: np.ndarray, round_: bool):
     """Pinches and wraps with the palm upright: name, X_WG and the hand's shape."""
-    round_ = len(solid.rounds) > 0
     least = finger.PALM_RADIUS + FLOOR_GAP
     heights = [
         z for z in sorted({max(least, share * size[2]) for share in HEIGHTS}) if z + finger.SPREAD_AXIS <= size[2]

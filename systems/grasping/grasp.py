@@ -12,11 +12,10 @@ import yaml
 
 from vipr.systems import se3
 from vipr.systems.errors import InputError
+from vipr.systems.grasping.payload import DYNAMIC_LOAD, MOST, PAYLOAD, dynamic_load
 from vipr.systems.hand import transmission
 from vipr.systems.hand.finger import RADIUS, WIDEST_REACH
 
-PAYLOAD = 2.5  # kg at the flange, data sheet of the Puma 560
-HAND_MASS = 1.1  # kg
 LARGEST_TORQUE = 1.8  # N m per finger angle, what the motors give
 WIDEST = 2.0 * (WIDEST_REACH - RADIUS)  # m between the pads of finger 3 and the others, all open
 
@@ -92,14 +91,24 @@ class GraspTable:
         """The table, or InputError if it is empty or the object (of that mass [kg], if it is known) is too heavy."""
         if not self.grasps:
             raise InputError(f"grasps of {self.object}: the table is empty; teach some: vipr grasp teach {self.object}")
-        mass, most = self.mass if mass is None else mass, PAYLOAD - HAND_MASS
-        if not 0 < mass <= most:
+        mass = self.mass if mass is None else mass
+        if not 0 < mass <= MOST:
             raise InputError(
-                f"grasps of {self.object}: {mass:g} kg is too heavy, the arm carries {PAYLOAD:g} kg, {most:.1f} kg beside the hand"
+                f"grasps of {self.object}: {mass:g} kg is too heavy, the arm carries {PAYLOAD:g} kg, {MOST:.1f} kg beside the hand"
+            )
+        least = min(self.load(grasp, mass) for grasp in self.grasps)
+        if least > DYNAMIC_LOAD:
+            raise InputError(
+                f"grasps of {self.object}: {mass:g} kg is too heavy so far out, {least:.4f} kg m2 about joint 5 with the hand, "
+                f"allowed {DYNAMIC_LOAD:g}"
             )
         for grasp in self.grasps:
             grasp.check()
         return self
+
+    def load(self, grasp: Grasp, mass: float | None = None) -> float:
+        """Moment of inertia [kg m^2] about joint 5 of hand and object, its mass (the table's, or that given [kg]) in its middle."""
+        return dynamic_load(grasp.X_OG, self.mass if mass is None else mass, self.symmetry.centre)
 
 
 def best_only(table: GraspTable) -> GraspTable:

@@ -12,7 +12,7 @@ import numpy as np
 from vipr.systems import se3
 from vipr.systems.errors import InputError
 from vipr.systems.grasping.grasp import GraspTable
-from vipr.systems.grasping.options import way_up
+from vipr.systems.grasping.options import unrolled, way_up
 from vipr.systems.grasping.pick_state import (
     CARRYING,
     WATCHING,
@@ -43,6 +43,9 @@ class Picker:
     error: np.ndarray = field(
         default_factory=lambda: np.zeros(6)
     )  # rad and m in W, added to what is seen: for measuring
+    error_believed: bool = (
+        False  # it is added to what is believed then, with the support's help: nothing can correct it
+    )
 
     def start(self, X_CO: np.ndarray) -> PickState:
         """Before the first tick, with a rough idea of where the object is."""
@@ -71,13 +74,13 @@ class Picker:
 
     def _look(self, state, senses):
         X_CO = seen(state, self.settings)
-        X_WO, doubt = (None, np.inf) if X_CO is None else self._placed(X_CO, state.covariance)
+        X_WO, doubt = (None, np.inf) if X_CO is None else self._placed(self.X_WC @ X_CO, state.covariance)
         if not doubt <= 1e-3 * self.settings.sure_mm:
             if senses.time - state.since <= self.settings.look_s:
                 return state
             known = "" if X_CO is None else f" well enough: its place is known to {1e3 * doubt:.0f} mm"
             return end(state, senses, "gave up", f"the object is not seen{known}")
-        X_WO = self._spoilt(X_WO)
+        X_WO = self._spoilt(X_WO) if self.error_believed else X_WO
         try:
             plan = plan_grasp(
                 self.table, X_WO, senses.q, self.around, self.settings.errand, senses.motors, tried=state.tried
@@ -96,10 +99,26 @@ class Picker:
         return go(state, senses, "approach", state.plan.approach)
 
     def _approach(self, state, senses):
-        if not self._arrived(state, senses):
+        if state.path is None:  # a little back from what it has met
+            if senses.time - state.since < self.settings.ease_s:
+                return state
+        elif np.abs(senses.torque[:3]).max() > self.settings.touch_torque:
+            return self._touched(state, senses)
+        elif not self._arrived(state, senses):
             return state
         limit = np.append(state.plan.grasp.torque, 2.0)
         return replace(stay(state, senses, "close"), limit=limit, motors=senses.motors, moved=senses.time)
+
+    def _touched(self, state, senses):
+        """A finger has met something before the grasp was reached: back off, and close there if that is near enough."""
+        arm = self.around.arm
+        plan = state.plan.stopped(senses.q, arm)
+        state = replace(state, plan=plan, path=None, q_hold=plan.approach.end)
+        short, finger = 1e3 * plan.short(arm), int(np.abs(senses.torque[:3]).argmax()) + 1
+        text = f"finger {finger} has met something {short:.0f} mm before the grasp"
+        if short > self.settings.short_mm:
+            return self._let_go(state, senses, text)
+        return stay(state, senses, "approach", f"approach: {text}", "warning")
 
     def _close(self, state, senses):
         grasp, since = state.plan.grasp, senses.time - state.since
@@ -195,9 +214,12 @@ class Picker:
 
     # What the phases share.
 
-    def _placed(self, X_CO: np.ndarray, covariance: np.ndarray) -> tuple[np.ndarray, float]:
-        """X_WO of what is seen, and its standard deviation [m]; with the support's help where there is one."""
-        X_WO, support = self.X_WC @ X_CO, self.around.support
+    def _placed(self, X_WO: np.ndarray, covariance: np.ndarray) -> tuple[np.ndarray, float]:
+        """X_WO of what is seen there, and its standard deviation [m]; with the support's help where there is one."""
+        X_WO, support = (
+            unrolled(self.table.symmetry, X_WO if self.error_believed else self._spoilt(X_WO)),
+            self.around.support,
+        )
         up = way_up(self.table, X_WO)
         if not self.settings.settle or support is None or up is None:
             return X_WO, float(np.sqrt(np.trace(covariance)))
@@ -235,7 +257,7 @@ class Picker:
 
     def _let_go(self, state, senses, why: str):
         """Open, and try again or give up."""
-        low = state.phase == "verify"
+        low = state.phase in ("approach", "verify")
         command = np.append(state.plan.grasp.preshape, state.plan.grasp.spread)
         state = replace(stay(state, senses, "release", f"release: {why}", "warning"), command=command)
         return replace(state, limit=np.full(4, 1.8), low=low)

@@ -50,6 +50,9 @@ class PickSettings:
     lost_s: float = 0.12  # so long without torque at a finger means that nothing is held
     lost_torque: float = 0.25  # of the torque after closing
     least_torque: float = 0.4  # of its limit, at a finger that holds something
+    touch_torque: float = 0.35  # N m at a finger on the way to the object: it has met something
+    ease_s: float = 0.5  # time to draw back from that
+    short_mm: float = 15.0  # so far from the grasp the fingers may close nevertheless
     closed_within_deg: float = 16.0  # of the taught finger angles
     slip_mm: float = 12.0  # seen in the hand, half hidden by the fingers: reported
     drop_mm: float = 40.0  # seen: it is not in the hand any more

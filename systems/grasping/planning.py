@@ -5,7 +5,7 @@ from singularities of the wrist, and clear of what stands around (paper III-E: r
 """
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,9 +26,11 @@ from vipr.systems.hand import transmission
 MARGIN = np.radians(3.0)  # kept from every joint's stop
 WRIST_MARGIN = 0.10  # rad, kept from the wrist's singularity
 LEAST_CLEARANCE = 0.004  # m, between arm or hand and what they must not touch
+CLOSED_CLEARANCE = 0.002  # m, of the fingers where they have closed: they feel what they meet
 STEP = 0.03  # m between the points of a straight line
 LARGEST_TURN = 0.35  # rad of one joint between them
 RAISE = 0.12  # m, of the way around by above
+BACK_OFF = 0.004  # m back from where a finger has met something
 REACH_SPEED = 0.4  # m/s, of the hand on the way to the reference point
 REACH_CLEARANCE = 0.010  # m, on that way
 REACH_STEP = 0.05  # s between the places of it that are looked at
@@ -72,6 +74,20 @@ class Plan:
 
     def __deepcopy__(self, memo):
         return self  # immutable
+
+    def stopped(self, q: np.ndarray, arm: SerialArm) -> "Plan":
+        """The plan with an approach that ends ``BACK_OFF`` before the hand is where it is at q (6,), and the rest from there."""
+        shares = np.linspace(0.0, 1.0, 101)
+        points = np.array([arm.tool_pose(point)[:3, 3] for point in self.approach.curve(shares)])
+        gone = np.linalg.norm(points - points[0], axis=1)
+        here = float(np.linalg.norm(arm.tool_pose(q)[:3, 3] - points[0]))
+        approach = self.approach.part(float(np.interp(here - BACK_OFF, gone, shares)))
+        aside = approach.end - self.approach.end
+        return replace(self, approach=approach, lift=self.lift.shifted(aside), carry=self.carry.shifted(aside))
+
+    def short(self, arm: SerialArm) -> float:
+        """How far from the grasp its approach ends [m]."""
+        return float(np.linalg.norm(arm.tool_pose(self.approach.end)[:3, 3] - self.X_WG[:3, 3]))
 
 
 def plan_grasp(
@@ -127,7 +143,7 @@ def _plan(grasp: Grasp, X_WO, q_now, around: Surroundings, errand: Errand, hand_
         reason = "too close to something"
         open_hand = _hand(grasp, grasp.preshape)
         clearances = [_clearance(around, open_hand, down), _clearance(around, _hand(grasp, grasp.closed), up)]
-        if min(clearances) < LEAST_CLEARANCE:
+        if clearances[0] < LEAST_CLEARANCE or clearances[1] < CLOSED_CLEARANCE:
             continue
         held = _object_shape(around, X_WO)
         X_WP = around.arm.tool_pose(down[-1]) @ se3.inverse(around.arm.X_6E) @ X_6P

@@ -18,6 +18,7 @@ OUTER, OUTER_ANGLE = 0.0496, np.pi / 4  # m, from joint 3 to the ball at the tip
 RADIUS = 0.0095  # m
 SPREAD_AXIS = 0.025  # m, of fingers 1 and 2 from the palm's axis
 PALM_HEIGHT, PALM_RADIUS = 0.080, 0.0445  # m
+GRASP_HEIGHT = 0.135  # m, of the frame ``grasp`` above the mounting face
 LARGEST_CLOSING = np.radians(100.0)  # beyond it the tips point back to the palm
 
 

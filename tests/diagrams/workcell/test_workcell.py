@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from vipr.diagrams.workcell import GRASP_CENTRE, Workcell, fixed_camera
+from vipr.diagrams.workcell import Workcell, fixed_camera
+from vipr.systems.hand.finger import GRASP_HEIGHT
 
 from examples import EXAMPLES
 
@@ -53,7 +54,7 @@ def test_kinematics_of_the_controller_are_those_of_the_plant(run):
     system, context = run
     plant = system.plant
     grasp = plant.GetFrameByName("grasp").GetFixedPoseInBodyFrame()
-    assert np.allclose(grasp.translation(), [0, 0, GRASP_CENTRE])
+    assert np.allclose(grasp.translation(), [0, 0, GRASP_HEIGHT])
     X_WE = system.GetOutputPort("X_WE_true").Eval(context).GetAsMatrix4()
     q = plant.GetPositions(plant.GetMyContextFromRoot(context), plant.GetModelInstanceByName("puma560"))
     assert np.allclose(system.arm.tool_pose(q), X_WE, atol=1e-9)

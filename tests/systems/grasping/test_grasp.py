@@ -10,12 +10,13 @@ from vipr.systems import se3
 from vipr.systems.errors import InputError
 from vipr.systems.grasping.candidates import Solid, candidates, resting_pose, rests, symmetry
 from vipr.systems.grasping.grasp import Grasp, GraspTable, Symmetry, load_grasps, save_grasps
-from vipr.systems.grasping.options import suitable
+from vipr.systems.grasping.options import suitable, unrolled
+from vipr.systems.grasping.payload import DYNAMIC_LOAD, dynamic_load
 from vipr.systems.tracking.cad_model import load_model
 
 GRASP = Grasp(
     name="above",
-    X_OG=se3.pose(np.diag([1.0, -1.0, -1.0]), [0.01, 0.0, 0.15]),
+    X_OG=se3.pose(np.diag([1.0, -1.0, -1.0]), [0.01, 0.0, 0.10]),
     spread=0.2,
     preshape=np.full(3, 0.9),
     closed=np.full(3, 1.1),
@@ -85,11 +86,40 @@ def test_what_looks_the_same_can_be_grasped_the_same():
         TABLE, upright @ se3.pose(np.diag([1.0, -1.0, -1.0]), np.zeros(3))
     )  # upside down is another thing
     half = suitable(TABLE, upright)[1]
-    np.testing.assert_allclose(half.X_OG[:3, 3], [-0.01, 0.0, 0.15], atol=1e-12)
+    np.testing.assert_allclose(half.X_OG[:3, 3], [-0.01, 0.0, 0.10], atol=1e-12)
+
+
+def test_a_grasp_that_lets_too_much_hang_too_far_out_of_the_wrist_is_never_chosen():
+    far = replace(GRASP, name="far", X_OG=se3.pose(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 0.25]), quality=1.0)
+    table = replace(TABLE, grasps=(far, GRASP))
+    assert {grasp.name for grasp in suitable(table, se3.pose(np.eye(3), [0.5, 0.0, 0.5]))} == {"above"}
+    assert table.load(GRASP) < DYNAMIC_LOAD < table.load(far)
+    with pytest.raises(
+        InputError, match=r"0.4 kg is too heavy so far out, 0.0761 kg m2 about joint 5 with the hand, allowed 0.0403"
+    ):
+        replace(TABLE, grasps=(far,)).check()
+
+
+def test_the_dynamic_load_is_a_moment_of_inertia_about_joint_5():
+    held_at = se3.pose(se3.exp_so3(np.array([0.3, 0.2, -0.5])), [0.02, -0.01, 0.03])
+    p_5O = [0.0, 0.0, 0.05625 + 0.135] + se3.inverse(held_at)[:3, 3]
+    hand = dynamic_load(held_at, 0.0, np.zeros(3))
+    assert hand == pytest.approx(1.1 * 0.11625**2)
+    assert dynamic_load(held_at, 0.4, np.zeros(3)) == pytest.approx(hand + 0.4 * np.linalg.norm(p_5O) ** 2)
+
+
+def test_a_rolled_lying_round_is_believed_with_its_x_up_and_an_upright_one_as_it_is_seen():
+    lying = se3.pose(se3.exp_so3(np.array([0.0, -np.pi / 2, 0.0])), [0.5, 0.1, 0.55])
+    rolled = lying @ se3.pose(se3.exp_so3(np.array([0.0, 0.0, 2.1])), np.zeros(3))
+    np.testing.assert_allclose(unrolled(Symmetry(revolution=True), rolled), lying, atol=1e-12)
+    np.testing.assert_array_equal(unrolled(Symmetry(), rolled), rolled)
+    np.testing.assert_array_equal(unrolled(Symmetry(revolution=True), np.eye(4)), np.eye(4))
 
 
 def test_a_lying_round_is_grasped_where_its_way_up_is():
-    round_ = replace(TABLE, symmetry=Symmetry(revolution=True), grasps=(replace(GRASP, up=np.array([1.0, 0.0, 0.0])),))
+    round_ = replace(
+        TABLE, mass=0.3, symmetry=Symmetry(revolution=True), grasps=(replace(GRASP, up=np.array([1.0, 0.0, 0.0])),)
+    )
     roll = se3.pose(se3.exp_so3(np.array([0.0, 0.0, 0.7])), np.zeros(3))
     lying = se3.pose(se3.exp_so3(np.array([0.0, -np.pi / 2, 0.0])), np.zeros(3))  # O's x points up
     (there,), (as_taught,) = suitable(round_, lying @ roll), suitable(round_, lying)
@@ -98,7 +128,7 @@ def test_a_lying_round_is_grasped_where_its_way_up_is():
 
 @pytest.mark.parametrize(
     ("name", "half_turns", "revolution", "ways"),
-    [("rice_box", "xyz", False, 3), ("milk_carton", "z", False, 3), ("can", "x", True, 1), ("bottle", "", True, 1)],
+    [("rice_box", "xyz", False, 3), ("milk_carton", "z", False, 3), ("can", "x", True, 2), ("bottle", "", True, 2)],
 )
 def test_symmetry_and_ways_to_rest_are_found_from_the_shape(name, half_turns, revolution, ways):
     model = load_model(model_path(f"{name}/model.yaml"))

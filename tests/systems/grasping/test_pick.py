@@ -10,14 +10,16 @@ from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.errors import InputError
 from vipr.systems.grasping.pick_state import PHASES, PickSettings, Senses
+from vipr.systems.grasping.support import Support
 from vipr.systems.signals import ObjectPose
 
 
 class World:
     """Plays the robot's part: the arm goes where it is told, fingers stop at ``stops`` and feel ``torque`` while ``feels(time)``."""
 
-    def __init__(self, dut, *, stops=1.2, feels=lambda t: True, sees=lambda t: True, carried=True):
+    def __init__(self, dut, *, stops=1.2, feels=lambda t: True, sees=lambda t: True, carried=True, met=-np.inf):
         self.dut, self.stops, self.feels, self.sees, self.carried = dut, stops, feels, sees, carried
+        self.met = met  # m: below this height of the hand finger 2 is pushed
         self.X_CW = se3.inverse(dut.X_WC)
         self.state, self.time, self.phases = dut.start(self.X_CW @ X_WO), 0.0, ["look"]
         self.q, self.motors = puma560.NAMED["nominal"] + np.radians(5.0), np.zeros(4)
@@ -34,6 +36,7 @@ class World:
         closed = self.state.phase not in ("look", "reach", "approach", "release", "retreat", "home")
         self.motors = np.minimum(self.state.command, [self.stops, self.stops, self.stops, 3.0])
         torque = np.array([1.0, 1.0, 1.8, 0.0]) * (closed and self.feels(self.time))
+        torque[1] -= 0.5 * (self.dut.around.arm.tool_pose(self.q)[2, 3] < self.met)
         if self.state.phase == "lift" and self.X_EO is None:
             self.X_EO = se3.inverse(self.dut.around.arm.tool_pose(self.q)) @ self.X_WO
         if self.X_EO is not None and self.carried:
@@ -79,6 +82,33 @@ def test_another_grasp_is_tried_after_one_that_failed():
     world = World(dut, feels=lambda t: world.state.attempt > 1)
     assert world.run(40.0)[-1] == "held"
     assert world.state.tried == ("above", "another")
+
+
+def test_a_finger_that_meets_something_close_to_the_grasp_makes_the_hand_close_a_little_before_it():
+    world = World(picker(hold_s=0.2), met=0.52 + 0.14 + 0.004)
+    assert world.run(30.0) == WHOLE
+    lowest = world.X_EO[2, 3]  # of the object's bottom before the hand that closed on it
+    assert 0.14 + 0.006 < lowest < 0.14 + 0.012
+    np.testing.assert_allclose(world.X_WO[:3, 2], [0, 0, 1], atol=0.02)
+
+
+def test_a_finger_that_meets_something_far_from_the_grasp_sends_the_hand_back_the_way_it_came():
+    world = World(picker(attempts=1), met=0.52 + 0.14 + 0.05)
+    assert world.run(30.0)[-5:] == ["approach", "release", "retreat", "home", "gave up"]
+    assert "attempts" in world.state.text
+
+
+def test_an_error_in_what_is_seen_is_corrected_by_the_support_and_one_in_what_is_believed_is_not():
+    dut = picker()
+    support = Support(0.52, np.array([-0.03, -0.03, 0.0]), np.array([0.03, 0.03, 0.12]))
+    dut = replace(dut, around=replace(dut.around, support=support), error=np.array([0.05, 0.0, 0.0, 0.0, 0.0, -0.01]))
+    tilts, heights = {}, {}
+    for believed in (False, True):
+        world = World(replace(dut, error_believed=believed))
+        world.run(0.5)
+        tilts[believed], heights[believed] = world.state.X_WO[2, 2], world.state.X_WO[2, 3]
+    assert tilts[False] > 1 - 1e-12 and heights[False] == pytest.approx(0.52, abs=1e-9)
+    assert tilts[True] == pytest.approx(np.cos(0.05)) and heights[True] == pytest.approx(0.51, abs=1e-9)
 
 
 def test_what_drops_while_it_is_carried_is_felt():
