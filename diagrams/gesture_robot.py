@@ -5,16 +5,16 @@ from dataclasses import dataclass
 
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from vipr.diagrams import seeing_people
 from vipr.diagrams.living_room import LivingRoom
+from vipr.diagrams.seeing_people import SeeingPeople
 from vipr.diagrams.stages import Maker, Stages, connect
 from vipr.systems.gestures.announcer import GestureAnnouncer
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.recogniser import GestureRecogniser
 from vipr.systems.hands.track_points import TrackPoints
-from vipr.systems.hands.tracker import HandTracker
-from vipr.systems.skin.segmenter import SkinSegmenter
 
-STAGES: Mapping[str, Maker] = {"skin": SkinSegmenter, "hands": HandTracker, "gestures": GestureRecogniser}
+STAGES: Mapping[str, Maker] = {**seeing_people.STAGES, "gestures": GestureRecogniser}
 
 
 @dataclass(frozen=True)
@@ -22,14 +22,11 @@ class Schedule:
     """Periods and offsets [s]; one camera tick every 40 ms."""
 
     camera: float = 0.04
-    skin_offset: float = 0.010
-    hands_offset: float = 0.015
     gestures_offset: float = 0.020
 
     def rows(self) -> dict[str, tuple[float, float]]:
-        """(period, offset) [s] of each stage."""
-        offsets = {"skin": self.skin_offset, "hands": self.hands_offset, "gestures": self.gestures_offset}
-        return {"living_room": (self.camera, 0.0), **{name: (self.camera, offset) for name, offset in offsets.items()}}
+        """(period, offset) [s] of each stage that is no diagram with a schedule of its own."""
+        return {"living_room": (self.camera, 0.0), "gestures": (self.camera, self.gestures_offset)}
 
 
 class GestureRobot(Diagram):
@@ -50,17 +47,17 @@ class GestureRobot(Diagram):
 
     ::
 
-        person ──▶ ┌─────────────┐ frame ┌──────┐ regions ┌───────┐ hand_tracks ┌──────────┐ gesture
-        light  ──▶ │ living_room │──────▶│ skin │────────▶│ hands │────────────▶│ gestures │────────▶ announcer
-                   └─────────────┘       └──────┘         └───────┘             └──────────┘
-                          │                  ▲──── hand_tracks ────┘
+        person ──▶ ┌─────────────┐ frame ┌───────────────┐ hand_tracks ┌──────────┐ gesture
+        light  ──▶ │ living_room │──────▶│ seeing_people │────────────▶│ gestures │────────▶ announcer
+                   └─────────────┘       └───────────────┘             └──────────┘
+                          │
                           └─ hand_tracks_true ─▶ points_true          (beside it: hand_tracks ─▶ points)
 
     Schedule (ms; the camera's period is 40):
 
         living_room |0   exposure, and the truth of it
-        skin        |10  regions of the frame of 0, with the tracks of the frame before
-        hands       |15  tracks
+        skin        |10  of seeing_people: regions of the frame of 0
+        hands       |15  of seeing_people: tracks
         gestures    |20  a movement that ends with this frame is named
 
     Pixels of the frame. ``hand_points_true`` is what ``hand_points`` is compared with; no stage sees it. ``stages`` puts others in the
@@ -80,8 +77,11 @@ class GestureRobot(Diagram):
         self.schedule = schedule.rows()
         builder, made = DiagramBuilder(), Stages(STAGES, stages)
         room = builder.AddNamedSystem("living_room", room)
-        skin = made.add(builder, "skin", period=schedule.camera, offset=schedule.skin_offset)
-        hands = made.add(builder, "hands", period=schedule.camera, offset=schedule.hands_offset)
+        seen = {name: make for name, make in (stages or {}).items() if name in seeing_people.STAGES}
+        seeing = builder.AddNamedSystem(
+            "seeing_people",
+            SeeingPeople(schedule=seeing_people.Schedule(period=schedule.camera), stages=seen),
+        )
         gestures = made.add(builder, "gestures", classifier, period=schedule.camera, offset=schedule.gestures_offset)
         announcer = builder.AddNamedSystem("announcer", GestureAnnouncer(names))
         points = builder.AddNamedSystem("points", TrackPoints())
@@ -89,15 +89,13 @@ class GestureRobot(Diagram):
         connect(
             builder,
             [
-                (room, "frame", skin, "frame"),
-                (hands, "hand_tracks", skin, "hand_tracks"),
-                (skin, "regions", hands, "regions"),
-                (hands, "hand_tracks", gestures, "hand_tracks"),
+                (room, "frame", seeing, "frame"),
+                (seeing, "hand_tracks", gestures, "hand_tracks"),
                 (room, "frame", announcer, "frame"),
-                (skin, "regions", announcer, "regions"),
-                (hands, "hand_tracks", announcer, "hand_tracks"),
+                (seeing, "regions", announcer, "regions"),
+                (seeing, "hand_tracks", announcer, "hand_tracks"),
                 (gestures, "gesture", announcer, "gesture"),
-                (hands, "hand_tracks", points, "hand_tracks"),
+                (seeing, "hand_tracks", points, "hand_tracks"),
                 (room, "hand_tracks_true", points_true, "hand_tracks"),
             ],
         )

@@ -25,7 +25,11 @@ class Stages:
                 raise InputError(f"unknown stage {name!r}; those that can be replaced are {', '.join(own)}")
 
     def add(self, builder: DiagramBuilder, name: str, *arguments, **settings) -> System:
-        """Make the stage and add it to the builder under its name; InputError for another's maker that cannot be called so."""
+        """Make the stage and add it to the builder under its name."""
+        return builder.AddNamedSystem(name, self.make(name, *arguments, **settings))
+
+    def make(self, name: str, *arguments, **settings) -> System:
+        """Make the stage; InputError for another's maker that cannot be called so or gives no system."""
         make = self._others.get(name, self._own[name])
         if name in self._others:
             try:
@@ -38,7 +42,7 @@ class Stages:
         system = make(*arguments, **settings)
         if not isinstance(system, System):
             raise InputError(f"stage {name}: {_called(make)} must give a system, got {type(system).__name__}")
-        return builder.AddNamedSystem(name, system)
+        return system
 
 
 def connect(builder: DiagramBuilder, wires: Iterable[Wire]) -> None:

@@ -8,21 +8,26 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
+from vipr.diagrams.stages import Stages
+from vipr.scenarios.playback import Playback
+from vipr.scenarios.replacements import load_stages
 from vipr.scenarios.settings import as_dict
 from vipr.systems.camera.image_files import ImageSequence
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.recording.video import VideoWriter
+from vipr.systems.signals import CameraFrame
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.evaluation import COLUMNS, compare
-from vipr.systems.tracking.model_tracking import TrackerSettings, start, step
+from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.overlay import draw_overlay
+from vipr.systems.tracking.tracker import ModelTracker
 
 STATES = ("tracking", "uncertain", "lost")
 FIELDS = ("frame", "time_s", *COLUMNS, "state", "nodes", "residual_px", "ms")
@@ -36,6 +41,7 @@ def track_images(
     out: Path,
     *,
     settings: TrackerSettings | None = None,
+    stages: Mapping[str, str] | None = None,
     fps: float = 25.0,
     video: bool = True,
     skip_bad: bool = False,
@@ -44,13 +50,18 @@ def track_images(
 ) -> dict:
     """Run the tracker over all images and return the summary that was written.
 
-    Images must have the lens's size. A bad image ends the run with its InputError, or counts as a dropped frame with ``skip_bad``.
-    ``progress`` is called after each frame. KeyboardInterrupt passes through after what was done so far has been put in place.
+    ``stages`` names another in the place of the ``tracker`` (see ``scenarios.replacements``). Images must have the lens's size. A bad image
+    ends the run with its InputError, or counts as a dropped frame with ``skip_bad``. ``progress`` is called after each frame.
+    KeyboardInterrupt passes through after what was done so far has been put in place.
     """
     settings = settings or TrackerSettings()
     if not (np.isfinite(fps) and fps > 0):
         raise InputError(f"track: --fps must be positive, got {fps:g} images/s")
-    belief = start(X_CO_initial)
+    period = 1.0 / fps
+    tracker = Stages({"tracker": ModelTracker}, load_stages(stages or {})).make(
+        "tracker", model, lens, X_CO_initial=X_CO_initial, settings=settings, period=period, offset=0.5 * period
+    )
+    eye = Playback(tracker, ("object_pose",), period)
     names = ["poses.csv", "summary.json"] + ["overlay.mp4"] * video
     temporary = {name: out / f".partial-{name}" for name in names}
     poses, states, spent, skipped = {}, {}, [], []
@@ -66,6 +77,7 @@ def track_images(
             "first_lost": next((f for f, s in states.items() if s == "lost"), None),
             "median_ms": round(float(np.median(spent)), 3) if spent else None,
             "p90_ms": round(float(np.percentile(spent, 90)), 3) if spent else None,
+            "stages": dict(stages or {}),
             "settings": as_dict(settings),
             "versions": {name: version(name) for name in ("vipr", "numpy", "opencv-python-headless")}
             | {"python": platform.python_version()},
@@ -97,9 +109,8 @@ def track_images(
                         f"image {name} is {image.shape[1]} x {image.shape[0]} px, the camera file says "
                         f"{lens.width} x {lens.height} px"
                     )
-                image = lens.undistort(image) if image.size else image
                 begin = time.perf_counter()
-                belief = step(belief, image, frame / fps, model, lens, settings, number=frame)
+                belief = eye.show(CameraFrame(image, frame / fps, frame))["object_pose"]
                 ms = 1e3 * (time.perf_counter() - begin)
                 poses[frame], states[frame] = belief.X_CO, belief.state
                 spent.append(ms)
@@ -109,7 +120,8 @@ def track_images(
                 )
                 table.flush()
                 if writer is not None:
-                    shown = image if image.size else np.zeros((lens.height, lens.width, 3), np.uint8)
+                    blank = np.zeros((lens.height, lens.width, 3), np.uint8)
+                    shown = lens.undistort(image) if image.size else blank
                     writer.write(draw_overlay(shown, model, lens, belief.X_CO, belief.state, f"frame {frame}"))
                 progress(frame, belief.state)
         if writer is not None:

@@ -3,7 +3,7 @@
 import importlib
 import importlib.util
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -18,6 +18,17 @@ def load_stages(named: Mapping[str, str]) -> dict[str, Maker]:
     the user's own code comes through as it is.
     """
     return {stage: _load(stage, place) for stage, place in named.items()}
+
+
+def stages_given(options: Sequence[str]) -> dict[str, str]:
+    """What the options ``--stage NAME=FILE.py:CLASS`` name, by the stages' names."""
+    named = {}
+    for option in options:
+        stage, equals, place = option.partition("=")
+        if not equals or not stage:
+            raise InputError(f"--stage {option}: expected NAME=FILE.py:CLASS or NAME=MODULE:CLASS")
+        named[stage] = place
+    return named
 
 
 def _load(stage: str, place: str) -> Maker:

@@ -24,6 +24,14 @@ def hands(
     mirrored: Annotated[
         bool, typer.Option("--mirrored", help="The picture is a mirror image: the person's left hand is on its left.")
     ] = False,
+    stage: Annotated[
+        list[str],
+        typer.Option(
+            "--stage",
+            metavar="NAME=FILE.py:CLASS",
+            help="A stage of yours, skin or hands, in the place of the robot's own.",
+        ),
+    ] = [],  # noqa: B006 (typer copies it)
     no_video: Annotated[bool, typer.Option("--no-video", help="Write no overlay.mp4.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
 ) -> None:
@@ -33,6 +41,7 @@ def hands(
 
     from vipr.scenarios.command.output import output_folder
     from vipr.scenarios.people.clip import follow_video
+    from vipr.scenarios.replacements import stages_given
     from vipr.systems.camera.video_frames import open_camera, open_images, open_video
     from vipr.systems.errors import InputError
     from vipr.systems.skin.classifier import SkinOptions
@@ -51,7 +60,7 @@ def hands(
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("following", total=source.count or None)
         summary = follow_video(
-            source, folder, options=options, video=not no_video, mirrored=mirrored,
+            source, folder, options=options, stages=stages_given(stage), video=not no_video, mirrored=mirrored,
             progress=lambda k: bar.update(task, completed=k + 1),
         )  # fmt: skip
     if as_json:

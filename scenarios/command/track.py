@@ -25,6 +25,10 @@ def track(
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="A tracker setting, key=value; may be repeated.")
     ] = None,
+    stage: Annotated[
+        list[str],
+        typer.Option("--stage", metavar="NAME=FILE.py:CLASS", help="A tracker in the place of the robot's own."),
+    ] = [],  # noqa: B006 (typer copies it)
     skip_bad: Annotated[bool, typer.Option("--skip-bad", help="Take unreadable images as dropped frames.")] = False,
     no_video: Annotated[bool, typer.Option("--no-video", help="Write no overlay.mp4.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
@@ -35,6 +39,7 @@ def track(
 
     from vipr.scenarios.command.output import output_folder
     from vipr.scenarios.recorded_tracking import track_images
+    from vipr.scenarios.replacements import stages_given
     from vipr.scenarios.settings import load_settings
     from vipr.systems.camera.image_files import ImageSequence
     from vipr.systems.camera.lens import load_lens
@@ -56,6 +61,7 @@ def track(
             X_CO,
             output_folder(out),
             settings=settings,
+            stages=stages_given(stage),
             fps=fps,
             video=not no_video,
             skip_bad=skip_bad,

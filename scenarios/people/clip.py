@@ -9,20 +9,23 @@ import json
 import os
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 
 import cv2
 import numpy as np
 
+from vipr.diagrams.seeing_people import Schedule, SeeingPeople
+from vipr.scenarios.playback import Playback
+from vipr.scenarios.replacements import load_stages
 from vipr.systems.camera.video_frames import FrameSource
 from vipr.systems.errors import InputError
 from vipr.systems.hands.overlay import draw_people
 from vipr.systems.hands.parts import PARTS
-from vipr.systems.hands.pipeline import PeopleBelief, exchanged, see_people
+from vipr.systems.hands.pipeline import exchanged
 from vipr.systems.recording.video import VideoWriter
-from vipr.systems.signals import HandTracks
+from vipr.systems.signals import CameraFrame, HandTracks
 from vipr.systems.skin.classifier import SkinOptions
 from vipr.systems.skin.working_image import as_bgr
 
@@ -30,6 +33,7 @@ COLUMNS = (
     "frame", "time_s", "face_x", "face_y", "face_seen", "left_x", "left_y", "left_seen", "right_x", "right_y", "right_seen", "area_px",
 )  # fmt: skip
 TRAIL = 25  # frames
+PERIOD = Schedule().period  # s, of the playback; frames keep their own times
 
 
 def follow_video(
@@ -37,15 +41,17 @@ def follow_video(
     out: Path,
     *,
     options: SkinOptions = SkinOptions(),
+    stages: Mapping[str, str] | None = None,
     video: bool = True,
     mirrored: bool = False,
     progress: Callable[[int], None] = lambda frame: None,
 ) -> dict:
     """Run the chain over all frames and return the summary that was written.
 
-    Frames may be grey, have four channels or 16 bits, and may change their size (everything starts anew then). ``mirrored`` says that the
-    picture shows the person as a mirror does; ``progress`` is called after each frame. Raises InputError where nothing could be read;
-    KeyboardInterrupt passes after what there is has been put in place.
+    ``stages`` names others in the place of ``skin`` and ``hands`` (see ``scenarios.replacements``). Frames may be grey, have four channels
+    or 16 bits, and may change their size (everything starts anew then). ``mirrored`` says that the picture shows the person as a mirror
+    does; ``progress`` is called after each frame. Raises InputError where nothing could be read; KeyboardInterrupt passes after what there
+    is has been put in place.
     """
     names = ["regions.csv", "summary.json"] + ["overlay.mp4"] * video
     temporary = {name: out / f".partial-{name}" for name in names}
@@ -56,7 +62,7 @@ def follow_video(
     def finish(complete: bool) -> dict:
         summary = {
             "source": source.name, "frames": state["frames"], "complete": complete, "duration_s": round(state["last"], 3),
-            "sizes": state["sizes"], "mirrored": mirrored, "seen": {name: counts[name] for name in PARTS},
+            "sizes": state["sizes"], "mirrored": mirrored, "stages": dict(stages or {}), "seen": {name: counts[name] for name in PARTS},
             "median_ms": round(float(np.median(spent)), 3) if spent else None,
             "notes": [note for note in (source.note, "" if state["coloured"] else "no colour in any frame: skin cannot be told") if note],
             "versions": {name: version(name) for name in ("vipr", "numpy", "opencv-python-headless")},
@@ -67,7 +73,7 @@ def follow_video(
                 os.replace(path, out / name)
         return summary
 
-    belief = PeopleBelief()
+    others, eyes = load_stages(stages or {}), None
     try:
         with open(temporary["regions.csv"], "w", newline="") as file:
             writer, film = csv.writer(file), None
@@ -77,17 +83,17 @@ def follow_video(
                     image = as_bgr(image)
                     size = [image.shape[1], image.shape[0]]
                     if not state["sizes"] or state["sizes"][-1] != size:
-                        belief = PeopleBelief()
+                        eyes = Playback(SeeingPeople(options, stages=others), ("regions", "hand_tracks"), PERIOD)
                         trail.clear()
                         state["sizes"].append(size)
                     begin = time.perf_counter()
-                    belief = see_people(image, at, number, belief, options)
+                    seen = eyes.show(CameraFrame(image, at, number))
                     spent.append(1e3 * (time.perf_counter() - begin))
-                    tracks = exchanged(belief.tracks) if mirrored else belief.tracks
+                    tracks = exchanged(seen["hand_tracks"]) if mirrored else seen["hand_tracks"]
                     writer.writerow(row(number, at, tracks))
                     if video:
                         film = film or VideoWriter(temporary["overlay.mp4"], fps=float(np.clip(source.rate, 1, 240)))
-                        picture = draw_people(image, belief.skin.regions, tracks, list(trail))
+                        picture = draw_people(image, seen["regions"], tracks, list(trail))
                         film.write(_fitted(picture, state["sizes"][0]))
                     trail.append(tracks)
                     state.update(frames=number + 1, last=at, coloured=state["coloured"] or _coloured(image))

@@ -88,10 +88,9 @@ class ModelTracker(LeafSystem):
                     memory = replace(memory, belief=belief, initial_time=initial.time)
             if frame.number > memory.frame_number and memory.belief.started:
                 occluders = self._occluders.Eval(context).triangles_C if self._occluders.HasValue(context) else None
-                time = frame.time if frame.arrived else context.get_time()
                 image = self._lens.undistort(frame.image) if frame.arrived else frame.image
                 belief = step(
-                    memory.belief, image, time, self._model, self._lens, self._settings, occluders, frame.number
+                    memory.belief, image, frame.time, self._model, self._lens, self._settings, occluders, frame.number
                 )
                 memory = replace(memory, belief=belief, frame_number=frame.number)
             state.get_mutable_abstract_state(self._memory).set_value(memory)

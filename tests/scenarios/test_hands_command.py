@@ -152,3 +152,17 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path):
         follow_video(FrameSource("camera 0", frames(), 0, 25.0), tmp_path)
     assert len(rows(tmp_path)) == 5 and json.loads((tmp_path / "summary.json").read_text())["complete"] is False
     assert sum(1 for _ in open_video(tmp_path / "overlay.mp4").frames) == 5
+
+
+def test_a_stage_of_the_users_own_is_tried_on_the_same_video(clip, tmp_path, capsys):
+    mine = tmp_path / "still.py"
+    mine.write_text(
+        "from vipr.systems.hands.tracker import HandTracker\n\n\n"
+        "class Still(HandTracker):\n    def _update(self, context, state):\n        pass\n"
+    )
+    out = tmp_path / "out"
+    assert run("--video", clip, "--out", out, "--no-video", "--stage", f"hands={mine}:Still", "--json") == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["seen"] == {"face": 0, "left": 0, "right": 0} and summary["stages"] == {"hands": f"{mine}:Still"}
+    assert run("--video", clip, "--out", out, "--stage", f"feet={mine}:Still") == 2
+    assert "unknown stage 'feet'; those that can be replaced are skin, hands" in capsys.readouterr().err

@@ -218,3 +218,40 @@ def test_real_recordings_are_followed_as_well_as_by_the_best(shared_data, tmp_pa
     assert summary["tracking"] == summary["frames"]
     assert summary["agreement"]["lost_at"] is None
     assert summary["agreement"]["corner_px"]["median"] <= median and summary["agreement"]["corner_px"]["p90"] <= p90
+
+
+BLIND = """
+from pydrake.common.value import Value
+from pydrake.systems.framework import LeafSystem
+
+from vipr.systems.signals import CameraFrame, ObjectPose
+
+
+class Blind(LeafSystem):
+    def __init__(self, model, lens, *, X_CO_initial=None, settings=None, period=0.04, offset=0.0):
+        super().__init__()
+        self.DeclareAbstractInputPort("frame", Value(CameraFrame()))
+        self.DeclareAbstractOutputPort("object_pose", lambda: Value(ObjectPose()), lambda context, output: None)
+
+
+class Deaf(Blind):
+    def __init__(self, *arguments, **settings):
+        LeafSystem.__init__(self)
+"""
+
+
+def test_a_tracker_of_the_users_own_is_tried_on_the_same_images(recording, tmp_path, capsys):
+    (tmp_path / "blind.py").write_text(BLIND)
+    out, place = tmp_path / "out", f"tracker={tmp_path / 'blind.py'}"
+    assert run([*arguments(recording, out, stage=f"{place}:Blind"), "--no-video"]) == 0
+    summary = json.loads((out / "summary.json").read_text())
+    assert (summary["lost"], summary["tracking"]) == (FRAMES, 0) and summary["stages"]["tracker"].endswith(":Blind")
+    capsys.readouterr()
+    for stage, message in (
+        (f"{place}:Deaf", "Deaf has no input port 'frame'"),
+        ("tracker", "--stage tracker: expected NAME=FILE.py:CLASS"),
+        (f"eye{place.removeprefix('tracker')}:Blind", "unknown stage 'eye'; those that can be replaced are tracker"),
+    ):
+        assert run(arguments(recording, out, stage=stage)) == 2
+        error = capsys.readouterr().err
+        assert message in error and len(error.split("\n")) <= 3
