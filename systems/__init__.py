@@ -4,12 +4,18 @@
 stage       system                       ports                                                         rate
 =========== ============================ ============================================================= =======
 camera      camera.Camera                color_image, watching -> frame                                25 Hz
-skin        segmenter.SkinSegmenter      frame -> regions                                              25 Hz
+camera      room_light.RoomLight         color_image, light -> frame                                   25 Hz
+skin        segmenter.SkinSegmenter      frame, hand_tracks -> regions                                 25 Hz
 hands       tracker.HandTracker          regions -> hand_tracks                                        25 Hz
+hands       track_points.TrackPoints     hand_tracks -> points                                         none held
+hands       person_truth.PersonTruth     label_image -> hand_tracks_true                               25 Hz
 gestures    recogniser.GestureRecogniser hand_tracks -> gesture                                        25 Hz
+gestures    announcer.GestureAnnouncer   frame, regions, hand_tracks, gesture -> picture, understood,  none held
+                                         answer
 pose        (pure)                       points and pixels -> poses
 calibration (pure)                       images, poses of the hand -> lens, X_WC, covariance
 tracking    tracker.ModelTracker         frame, initial_pose, occluders -> object_pose                 25 Hz
+tracking    annotator.PoseAnnotator      frame, object_pose -> picture                                 none held
 tracking    geometric_sight              X_CO_true, X_CE_true -> object_pose, hand_pose (in place of   25 Hz
             .GeometricSight              camera and tracker, for thousands of runs)
 servo       pose_delay.PoseDelay         object_pose -> delayed_pose                                   25 Hz

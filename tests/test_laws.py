@@ -1,8 +1,12 @@
 """Every system of VIPR, held against the laws."""
 
+import re
+
 import numpy as np
 import pytest
 from pydrake.systems.framework import Diagram, LeafSystem
+
+import vipr.systems
 
 import laws
 from examples import EXAMPLES
@@ -20,6 +24,12 @@ class TestLeafSystem:
 
     def test_is_context_pure_and_deterministic(self, cls):
         laws.assert_context_pure_and_deterministic(EXAMPLES[cls], TIMES)
+
+
+def test_the_table_of_stages_names_every_system():
+    table = vipr.systems.__doc__
+    missing = [cls.__name__ for cls in laws.systems(LeafSystem) if not re.search(rf"\b{cls.__name__}\b", table)]
+    assert not missing, f"the docstring of vipr.systems does not name {', '.join(missing)}"
 
 
 @pytest.mark.parametrize("cls", laws.systems(Diagram), ids=lambda cls: cls.__name__)
