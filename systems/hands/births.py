@@ -7,7 +7,9 @@ import numpy as np
 
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.measurement import body_of, hand_of, head_of
-from vipr.systems.hands.parts import HEAD, LOST_AFTER, Track, born, in_neck, smallest_hand
+from vipr.systems.hands.parts import HEAD, LOST_AFTER, SMALLEST_HEAD, Track, born, in_neck, smallest_hand
+
+WAIT = 0.5  # s, in which something better than what just looks a little like a face should show
 
 
 def give_birth(
@@ -17,10 +19,12 @@ def give_birth(
     tracks = dict(tracks)
     free = [r for r in free if r.area > 8.0 * u * u and r.core[2] > 1.35 * u]
     if _missing(tracks, "face") and ("face" not in tracks or tracks["face"].unseen > 0.2):
-        k = _likeliest_head(free, faceless)
-        if k is not None:
-            r = free.pop(k)
+        r = _likeliest_head(free, faceless, u)
+        if r is not None:
             tracks["face"] = born("face", *head_of(r, labels, None, None), r, u)
+            free.remove(r)
+        elif "face" not in tracks and faceless < WAIT:
+            free = [r for r in free if r.headlike < HEAD - 0.16 or r.moving > 0.3]  # it may yet turn out to be the face
     free = _possible_hands(free, tracks.get("face"), u)
     whole = [r for r in free if not _fragment(r, tracks)]
     missing = [name for name in ("left", "right") if _missing(tracks, name)]
@@ -35,17 +39,16 @@ def _missing(tracks: dict, name: str) -> bool:
     return name not in tracks or tracks[name].unseen > 0 or tracks[name].crowded > 0.12
 
 
-def _likeliest_head(free: list[Candidate], faceless: float) -> int | None:
-    """Index of the region that may become the face; the longer there is none, the less it takes, if it is above other regions."""
-    found = [k for k, r in enumerate(free) if r.person > 0.28]
+def _likeliest_head(free: list[Candidate], faceless: float, u: float) -> Candidate | None:
+    """The region that may become the face; the longer there is none, the less it takes, if it is above other regions and calm."""
+    found = [r for r in free if r.person > 0.28 and r.core[2] > SMALLEST_HEAD * u]
     if not found:
         return None
-    k = max(found, key=lambda k: free[k].headlike)
-    r = free[k]
-    others = [free[j] for j in found if j != k and free[j].person > 0.5]
-    topmost = len(others) >= 1 and all(r.core[1] < other.centre[1] for other in others)
-    enough = HEAD - (0.16 * min(faceless / 0.4, 1.0) if topmost else 0.0)
-    return k if r.headlike > enough and (r.person > 0.5 or topmost) else None
+    best = max(found, key=lambda r: r.headlike)
+    others = [r for r in found if r is not best and r.person > 0.5]
+    topmost = len(others) >= 1 and all(best.core[1] < other.centre[1] for other in others)
+    enough = HEAD - (0.18 * min(faceless / WAIT, 1.0) if topmost and best.moving < 0.4 else 0.0)
+    return best if best.headlike > enough and (best.person > 0.5 or topmost) else None
 
 
 def _possible_hands(free: list[Candidate], face: Track | None, u: float) -> list[Candidate]:

@@ -6,6 +6,8 @@ import numpy as np
 
 from vipr.systems.signals import SkinRegions
 
+SMALL = 0.4  # of the widest region of the person: a head is not so much narrower than a hand
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
@@ -33,22 +35,39 @@ def candidates(regions: SkinRegions, tracks: dict) -> list[Candidate]:
     centres, areas = (regions.centres[rows] + 0.5) / s - 0.5, regions.areas[rows] / s**2
     cores = (regions.cores[rows] + (0.5, 0.5, 0.0)) / s - (0.5, 0.5, 0.0)
     evidence = np.minimum(np.maximum(2.0 * (person - 0.25), 0.0), 1.0)
-    largest = max(areas[evidence > 0.3], default=1.0)
-    # Heads are above the rest, compact (the ratio is 1 for a disc, about 1.4 for a head, 2.5 for an open hand) and large.
+    widest = max(cores[evidence > 0.3, 2], default=1.0)
+    # Heads are above the rest, compact (the ratio is 1 for a disc, about 1.4 for a head, 2.5 for an open hand) and wide.
     weight = evidence * (areas > 0.05 * areas.max())
     below = (centres[:, 1] > centres[:, 1][:, None]) @ weight
     topmost = (0.15 + below) / (0.3 + weight.sum() - weight)
     spill = areas / (np.pi * np.maximum(cores[:, 2], 1.0) ** 2)
     compact = np.minimum(np.maximum((3.2 - spill) / 1.5, 0.0), 1.0)
-    head = 0.75 * regions.faceness[rows] + 0.1 * compact + 0.15 * topmost + 0.1 * np.minimum(1.0, areas / largest)
+    wide = 2.0 * np.minimum(1.0, cores[:, 2] / widest) - 1.0
+    head = 0.75 * regions.faceness[rows] + 0.1 * compact + 0.15 * topmost + 0.1 * wide
     boxes = regions.boxes[rows] / s
+    head -= 0.25 * _slender(areas, boxes, cores[:, 2])
+    head -= 0.3 * (cores[:, 2] < SMALL * max(cores[person > 0.5, 2], default=0.0))
+    # What clearly looks like a face may come in over the border.
+    doubt = np.clip(0.9 - 1.5 * regions.faceness[rows], 0.0, 0.3)
     return [
         Candidate(
             i, centres[k], float(areas[k]), boxes[k], cores[k], float(person[k]),
-            float(head[k]) - 0.3 * _enters(regions.labels, i, cores[k]), moving=float(regions.moving[i]),
+            float(head[k] - doubt[k] * _enters(regions.labels, i, cores[k])), moving=float(regions.moving[i]),
         )
         for k, i in enumerate(rows)
     ]  # fmt: skip
+
+
+def _slender(areas: np.ndarray, boxes: np.ndarray, radii: np.ndarray) -> np.ndarray:
+    """(n,) 0 to 1: how far regions are long and nowhere wide, as arms are.
+
+    An arm fills about half of its length times its width; a head in one region with a wall or a shelf fills more, or less.
+    """
+    length, width = np.hypot(boxes[:, 2], boxes[:, 3]), 2.0 * np.maximum(radii, 1.0)
+    filled = areas / (length * width)
+    return np.clip((length / width - 3.4) / 0.8, 0.0, 1.0) * np.clip(
+        np.minimum(12.5 * (filled - 0.4), 2.6 - 1.6 * filled), 0.0, 1.0
+    )
 
 
 def _enters(labels: np.ndarray, row: int, core: np.ndarray) -> bool:

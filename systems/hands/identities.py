@@ -4,7 +4,7 @@ import numpy as np
 
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.measurement import head_of
-from vipr.systems.hands.parts import HEAD, born
+from vipr.systems.hands.parts import HEAD, SMALLEST_HEAD, born
 
 MIND_SIDES = 0.6  # s on the wrong sides, beyond those on the right ones, after which hands exchange names
 YOUNG = 25  # frames for which a hand has been followed, up to which only its side says which it is
@@ -21,7 +21,7 @@ def settle_face(
     if face is not None and face.shared:
         return tracks, max(0.0, rival - dt), False
     looks = {n: t.headlike for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared}
-    smallest = 0.0 if face is None else 0.5 * face.head_radius
+    smallest = max(SMALLEST_HEAD * u, 0.0 if face is None else 0.5 * face.head_radius)
     looks |= {k: r.headlike for k, r in enumerate(free) if r.person > 0.25 and not r.remnant and r.core[2] > smallest}
     best = max(looks, key=looks.get, default=None)
     enough = HEAD if face is None or face.unseen > 0 else max(face.headlike + 0.12, 0.8 * HEAD)

@@ -14,6 +14,7 @@ SIGMA_N = 0.8  # noise of a region's centre
 SIGMA_W = {"face": 500.0, "left": 2600.0, "right": 2600.0}  # acceleration noise, px/s^2
 SIGMA_V = {"face": 20.0, "left": 60.0, "right": 60.0}  # velocity of a new track, px/s
 LOST_AFTER = 0.7  # s unseen, after which a part may come back anywhere
+SMALLEST_HEAD = 2.2  # px at 160 x 120, the radius of the core of the smallest region that may become the face
 HEAD = 0.48  # headlike from which a region can become the face
 
 

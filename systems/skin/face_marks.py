@@ -36,13 +36,8 @@ def _operator() -> tuple[np.ndarray, np.ndarray]:
 _CONTRAST, _WEIGHT = _operator()
 
 
-_FRAMES = (
-    (2.0, 0.0),
-    (2.0, -0.3),
-    (2.0, 0.3),
-    (2.4, 0.0),
-    (1.65, 0.0),
-    (1.65, -0.3),
+_FRAMES = np.array(
+    [(2.0, 0.0), (2.0, -0.3), (2.0, 0.3), (2.4, 0.0), (1.65, 0.0), (1.65, -0.3)]
 )  # width of the face, shift down; in core radii
 
 
@@ -51,10 +46,16 @@ def face_marks(luma: np.ndarray, cores: np.ndarray) -> np.ndarray:
 
     The core of a face is the disc between its cheeks; the face is about 1.25 times as high as wide.
     """
-    best = np.zeros(len(cores))
-    for i, core in enumerate(np.asarray(cores, float)):
-        for width, shift in _FRAMES:
-            best[i] = max(best[i], _marks(luma, core, width, shift, _CONTRAST, _WEIGHT))
+    return np.array(
+        [min(_best_marks(luma, core, _FRAMES, _CONTRAST, _WEIGHT), 1.0) for core in np.asarray(cores, float)]
+    )
+
+
+@compiled
+def _best_marks(luma, core, frames, contrasts, weights):
+    best = 0.0
+    for k in range(len(frames)):
+        best = max(best, _marks(luma, core, frames[k, 0], frames[k, 1], contrasts, weights))
     return best
 
 
@@ -76,7 +77,7 @@ def _marks(luma, core, width, shift, contrasts, weights):
         contrast = (contrasts[k] * patch.ravel()).sum() / spread
         agreed += weights[k] * min(max(2.0 * contrast, -1.0), 1.0)
     symmetry = (patch * patch[:, ::-1]).mean() / spread**2
-    return agreed * (0.5 + 0.5 * max(symmetry, 0.0))
+    return agreed * (0.3 + 0.7 * min(max(symmetry / 0.6, 0.0), 1.0))
 
 
 @compiled

@@ -11,6 +11,9 @@ from vipr.systems.skin.colour_model import doubt_table
 from vipr.systems.skin.regions import Found
 from vipr.systems.skin.scene import Scene
 
+SURE_FACE = 0.25  # looks of a face, from which the person is known
+STIRRED = 0.3  # of a patch that moved in the last seconds, from which all of it is alive
+
 
 def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, options):
     """The still scene and the colour model after ``dt`` s.
@@ -23,6 +26,10 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
         if tracks is not None:
             facelike = (found.faceness > 0.2) & (found.person > 0.3)
             kept = _followed(labels, tracks, scale) | _person_pixels(labels, facelike)
+            if found.faceness.max(initial=0.0) < SURE_FACE:
+                awake = stirring(colours, still)
+                kept, on_person = kept | awake, on_person | awake
+                still = scene.forget(still, awake)
         still = scene.settle(still, colours.pixels, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
     if not options.adapt:
         return still, model
@@ -38,6 +45,19 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
         trust = float(np.clip(found.faceness[best] / 0.4, 0.6, 1.0))
     rest = histogram_of_rest(colours, bright & ~person, still)
     return still, colour_model.adapt(model, histogram(colours.index[sample & bright]), rest, dt, trust)
+
+
+def stirring(colours: Chromaticity, still: Scene) -> np.ndarray:
+    """(h, w) uint8, 1 on patches that may be skin and of which much moved: a hand that folds two fingers is no thing of the room."""
+    may_be = (lookup(doubt_table(), colours.index) > 0.2) & (colours.total >= DARKEST)
+    labels = cv2.connectedComponents(
+        cv2.blur(may_be.astype(np.uint8) * 255, (3, 3)) // 128, connectivity=4, ltype=cv2.CV_16U
+    )[1]
+    size = np.bincount(labels.ravel())
+    moved = np.bincount(labels.ravel(), still.alive.ravel()) / np.maximum(size, 1)
+    awake = (moved > STIRRED) & (size < 0.4 * labels.size)
+    awake[0] = False
+    return awake.astype(np.uint8)[labels]
 
 
 def _like(face: np.ndarray) -> np.ndarray:

@@ -37,7 +37,7 @@ def describe(labels: np.ndarray, boxes: np.ndarray, skin: np.ndarray, luma: np.n
     sharp = np.clip((cores[:, 2] / unit(labels.shape) - 1.5) / 2.5, 0.0, 1.0)  # few pixels look like anything
     likely = np.flatnonzero((known < 0.8) & (sharp > 0.0))[:4]  # regions come by falling area
     if len(likely):
-        faceness[likely] = sharp[likely] * np.clip(face_marks(luma, cores[likely]), 0.0, 1.0)
+        faceness[likely] = sharp[likely] * face_marks(luma, cores[likely])
     person = 1.0 / (1.0 + np.exp(-(4.0 * alive + 3.0 * faceness - 3.0 * known - 0.8)))
     return Found(centres, mass, person, faceness, cores, moving)
 

@@ -4,7 +4,7 @@ A running picture of the still scene gives two things that colour alone cannot: 
 changing, and the ratio of the present picture to it is the change of the light (diagonal model), robustly by its median.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -144,6 +144,11 @@ def _keep_same(stood, pixels, then, luma, margin):
         for j in range(luma.shape[1]):
             if not _is_same(pixels[i, j], then[i, j], luma[i, j], margin):
                 stood[i, j] = 0.0
+
+
+def forget(scene: Scene, where: np.ndarray) -> Scene:
+    """The scene of which nothing is known ``where`` (h, w) is not zero: what stood there has come alive."""
+    return replace(scene, sure=scene.sure * (where == 0))
 
 
 def settle(scene: Scene, pixels: np.ndarray, person: np.ndarray, dt: float) -> Scene:

@@ -190,3 +190,14 @@ def test_truth_is_the_centre_of_gravity_of_what_is_visible():
     truth = tracks_from_labels(labels, 0.5, 7)
     assert np.allclose(truth.face, (74.5, 24.5)) and np.allclose(truth.left, (101.5, 51.5))
     assert truth.left_seen and not truth.right_seen and truth.areas.tolist() == [100, 16, 0]
+
+
+def test_a_speck_that_happens_to_look_like_a_face_is_not_the_face():
+    hand = (60, 80, 8, 0.0)
+    assert not any(t.face_seen for t in track([[hand, (110, 30, 1.5, 0.9)]] * 12))
+    assert track([[hand, (110, 30, 7, 0.9)]] * 12)[-1].face_seen
+
+
+def test_a_bare_arm_with_some_marks_is_no_head():
+    arm = [(30 + 4 * i, 60 + 2 * i, 5, 0.45) for i in range(12)]
+    assert not any(t.face_seen for t in track([[*arm, (120, 90, 6, 0.0)]] * 12))

@@ -1,12 +1,17 @@
 """Skin from frame to frame on drawn pictures, and every kind of picture it may be given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from drawn_people import FACE, LEFT, RIGHT, person, waving
+from drawn_people import FACE, LEFT, RIGHT, SKIN, person, waving
 
 from vipr.systems.errors import InputError
 from vipr.systems.skin.chain import SkinBelief, see_skin
+from vipr.systems.skin.chromaticity import chromaticity
 from vipr.systems.skin.classifier import SkinOptions
+from vipr.systems.skin.learning import stirring
+from vipr.systems.skin.scene import new_scene
 from vipr.systems.skin.working_image import as_bgr, reduce
 
 
@@ -83,3 +88,13 @@ def test_what_is_no_picture_is_named():
 def test_small_pictures_are_never_enlarged():
     image = np.zeros((30, 40, 3), np.uint8)
     assert reduce(image, 19200.0)[0] is image
+
+
+def test_a_patch_of_which_much_moves_is_alive_as_a_whole_and_a_wall_behind_a_hand_is_not():
+    image = np.full((120, 160, 3), (120, 112, 98), np.uint8)
+    image[40:80, 20:50], image[20:100, 80:130] = SKIN, SKIN
+    colours = chromaticity(image)
+    alive = np.zeros((120, 160), np.float32)
+    alive[40:60, 20:50] = alive[40:60, 80:110] = 1.0
+    awake = stirring(colours, replace(new_scene(colours.pixels), alive=alive))
+    assert awake[42:78, 22:48].all() and not awake[:, 70:].any()
