@@ -102,11 +102,11 @@ class Instruct(Scenario):
     def plots(self):
         return [
             Plot(
-                f"{part} in the image", "position", "px",
+                f"{what} in the image", "position", "px",
                 tuple(Line(f"hand_points.{part}_{axis}", axis) for axis in "xy")
                 + tuple(Line(f"hand_points_true.{part}_{axis}", f"{axis}, truth", truth=True) for axis in "xy"),
             )
-            for part in ("face", "left", "right")
+            for part, what in (("face", "Face"), ("left", "Left hand"), ("right", "Right hand"))
         ]  # fmt: skip
 
     def limits(self):

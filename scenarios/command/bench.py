@@ -40,6 +40,7 @@ def register(app: typer.Typer) -> None:
     group = typer.Typer(help="Measure a stage; the tables of the README.", no_args_is_help=True)
     app.add_typer(group, name="bench")
     group.command("align")(align)
+    group.command("runs")(runs)
     group.command("grasp")(grasp)
     for name, (summary, parts) in TABLES.items():
         group.command(name, help=summary)(_tables_command(name, parts))
@@ -64,6 +65,26 @@ def align(
         print(json.dumps(summaries, indent=2))
     else:
         print_table(summaries)
+
+
+def runs(
+    scenario: Annotated[str, typer.Argument(help="Name of the scenario; see `vipr list`.")],
+    seeds: Annotated[int, typer.Option(help="How many seeds.", min=1)] = 10,
+    first: Annotated[int, typer.Option(help="The first seed.", min=0)] = 1,
+    settings: Annotated[
+        list[str], typer.Option("--set", metavar="KEY=VALUE", help="A setting of the scenario; repeatable.")
+    ] = [],  # noqa: B006 (typer copies it)
+    out: Annotated[Path | None, typer.Option(help="Folder of the runs; out/bench-SCENARIO if not given.")] = None,
+    jobs: Annotated[int, typer.Option(help="Runs at a time; one core each.", min=1)] = 1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the table as JSON.")] = False,
+) -> None:
+    """Any scenario over many seeds: every figure's median, mean, least and greatest."""
+    from vipr.scenarios.bench.runs import run
+    from vipr.scenarios.bench.tables import print_json, print_tables
+
+    folder = out or Path("out") / f"bench-{scenario}"
+    table = run(scenario, range(first, first + seeds), settings, folder, jobs)
+    (print_json if as_json else print_tables)([table])
 
 
 def grasp(

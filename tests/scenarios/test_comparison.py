@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from vipr.scenarios.bench.runs import spread
 from vipr.scenarios.command import main
 from vipr.scenarios.comparison import paired_table
 
@@ -84,6 +85,13 @@ def test_seeds_without_the_figure_and_differences_of_zero_count_for_nothing():
     (error,) = paired_table("align", ["gain=2"], before, after).rows[1:]
     assert error[:7] == ("error_mm", 2, 1.5, 1.5, 0.0, 0, 0)
     assert np.isnan(error[7])
+
+
+def test_the_figures_of_many_runs_have_their_spread():
+    table = spread("align", [*runs([1.0, 2.0, 6.0]), *runs([float("nan")], success=False)])
+    assert table.title == "align: 3 of 4 runs did their task"
+    assert table.rows == [("error_mm", 3, 2.0, 3.0, 1.0, 6.0)]
+    assert table.note == "seed 0: far"
 
 
 @pytest.mark.parametrize(
