@@ -9,11 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from vipr.models import object_names
+from vipr.scenarios.bench import grasp_switch
 from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.scenarios.pick_trial import pick_trial
 
-PARTS = ("placements", "errors", "choices", "physics")
+PARTS = ("placements", "errors", "choices", "physics", "switch")
+PAIRED = 30  # placements, the first ones, for each error, choice and for the finer physics
 ERRORS = (3.0, 6.0, 10.0)  # mm and degrees
+ERROR_PLACES = {
+    "seen": "Errors added to the pose that is seen; the support corrects what it can",
+    "believed": "Errors added to the pose that is believed with the support's help; nothing corrects them",
+}
 CHOICES = {
     "no TorqueSwitch": ("hand.break_away_torque=.inf",),
     "the best grasp only, once": ("one_grasp=true", "pick.attempts=1"),
@@ -51,11 +57,11 @@ def run(
     kept: Path | None,
     progress: Callable[[str], None],
 ) -> Iterator[Table]:
-    """The tables of the parts asked for: ``trials`` placements, a fifth of them for each error, choice and for the finer physics.
+    """The tables of the parts asked for: ``trials`` placements, at most ``PAIRED`` of them again for each error, choice and the physics.
 
     Picks are written to the file ``kept`` as they are done, and those found there are not done again.
     """
-    parts, part = chosen_parts("grasp", only, PARTS), max(1, trials // 5)
+    parts, part = chosen_parts("grasp", only, PARTS), min(trials, PAIRED)
     store = _Store(kept)
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
 
@@ -72,13 +78,22 @@ def run(
                 progress(f"{name}: {len(rows)} of {count}; {task[0]} {task[1]}: {rows[-1]['reason']}")
             return rows
 
+        if "switch" in parts:
+            yield grasp_switch.run(seed, progress)
+        if parts == ["switch"]:
+            return
         rows = picks(trials if "placements" in parts else part, AS_IT_IS)
         if "placements" in parts:
             yield _placements(rows)
         same = rows[:part]
         if "errors" in parts:
-            levels = {f"{e:g}": picks(part, f"{e:g} mm", f"pose_error_mm={e}", f"pose_error_deg={e}") for e in ERRORS}
-            yield _compared("Errors added to the pose", "error, mm and degrees", {"0": same, **levels})
+            for place, title in ERROR_PLACES.items():
+                where = f"pose_error_in={place}"
+                levels = {
+                    f"{e:g}": picks(part, f"{e:g} mm {place}", f"pose_error_mm={e}", f"pose_error_deg={e}", where)
+                    for e in ERRORS
+                }
+                yield _compared(title, "error, mm and degrees", {"0": same, **levels})
         if "choices" in parts:
             variants = {name: picks(part, name, *overrides) for name, overrides in CHOICES.items()}
             yield _compared("What each choice is worth", "robot", {AS_IT_IS: same, **variants})

@@ -89,7 +89,9 @@ def runs(
 
 def grasp(
     trials: Annotated[int, typer.Option(help="Placements, over all objects in turn.", min=1)] = 200,
-    only: Annotated[str, typer.Option(help="Parts, with commas between: placements, errors, choices, physics.")] = "",
+    only: Annotated[
+        str, typer.Option(help="Parts, with commas between: placements, errors, choices, physics, switch.")
+    ] = "",
     seed: Annotated[int, typer.Option(help="Seed of the first placement.", min=0)] = 1000,
     settings: Annotated[
         list[str], typer.Option("--set", metavar="KEY=VALUE", help="A setting of `pick`; repeatable.")

@@ -79,7 +79,7 @@ def _best(grasps: list[Grasp], object_: str, X_WO: np.ndarray, rng, tick) -> lis
     first.sort(key=lambda row: -row[0])
     judged = []
     for _, grasp, trial in first[:FINALISTS]:
-        tries = [trial, *(attempt(grasp, object_, X_WO, X_WG) for X_WG in _displaced(grasp, X_WO, rng))]
+        tries = [trial, *(attempt(grasp, object_, X_WO, X_WG) for X_WG in displaced(grasp, X_WO, rng))]
         held = [t for t in tries if t.held]
         worth = len(held) / len(tries) * float(np.mean([_worth(t) for t in held]))
         taught = replace(grasp, closed=trial.closed, quality=worth, held=len(held) / len(tries))
@@ -94,7 +94,7 @@ def _worth(trial: Trial) -> float:
     return trial.quality / (1.0 + trial.slip / SLIP_SCALE) / (1.0 + trial.moved / MOVE_SCALE)
 
 
-def _displaced(grasp: Grasp, X_WO: np.ndarray, rng) -> Iterator[np.ndarray]:
+def displaced(grasp: Grasp, X_WO: np.ndarray, rng) -> Iterator[np.ndarray]:
     """X_WG for poses of the object that are wrong by POSE_ERROR: along the support and about the vertical, which way by chance."""
     metres, radians = POSE_ERROR
     for _ in range(TRIES):

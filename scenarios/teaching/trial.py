@@ -32,6 +32,7 @@ class Trial:
     closed: np.ndarray  # (3,) rad, finger angles
     torque: np.ndarray  # (3,) N m of the finger motors after closing
     quality: float  # epsilon of the wrench space after closing
+    let_go: int = 0  # clutches, while it closed
     why: str = ""  # it failed
 
 
@@ -58,6 +59,7 @@ def attempt(
     X_WO_before = run.read("X_WO_true").GetAsMatrix4()
     closed = _close(run, grasp)
     torque, quality = np.array(run.read("motor_torque")[:3]), _quality(run.bench, run.root)
+    let_go = 3 - int(sum(run.read("clutch")))
     X_WO_closed = run.read("X_WO_true").GetAsMatrix4()
     moved = float(np.linalg.norm(X_WO_closed[:3, 3] - X_WO_before[:3, 3]))
     if se3.angle_between(X_WO_before, X_WO_closed) > MOST_TIP:
@@ -65,7 +67,9 @@ def attempt(
     slip, tilt = _lift_and_shake(run, shake)
     raised = run.read("X_WO_true").translation()[2] - X_WO_closed[2, 3]
     held = raised > 0.7 * LIFT and slip < LARGEST_SLIP
-    return Trial(held, slip, tilt, moved, closed, torque, quality, "" if held else f"lifted {1e3 * raised:.0f} mm")
+    return Trial(
+        held, slip, tilt, moved, closed, torque, quality, let_go, "" if held else f"lifted {1e3 * raised:.0f} mm"
+    )
 
 
 class _Run:
@@ -210,4 +214,4 @@ def _quality(bench, root) -> float:
 
 
 def _failed(why: str) -> Trial:
-    return Trial(False, np.inf, np.inf, np.inf, np.zeros(3), np.zeros(3), 0.0, why)
+    return Trial(False, np.inf, np.inf, np.inf, np.zeros(3), np.zeros(3), 0.0, 0, why)

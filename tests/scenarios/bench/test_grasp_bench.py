@@ -5,7 +5,7 @@ import json
 import pytest
 
 from vipr.models import object_names
-from vipr.scenarios.bench.grasp import CHOICES, ERRORS, HALF_STEP, run
+from vipr.scenarios.bench.grasp import CHOICES, ERROR_PLACES, ERRORS, HALF_STEP, run
 from vipr.systems.errors import InputError
 
 
@@ -25,7 +25,8 @@ def row(name, seed, held=True):
 @pytest.fixture
 def kept(tmp_path):
     """Every pick of six placements and of one with each change; the fourth dropped."""
-    changes = [(), HALF_STEP, *CHOICES.values(), *((f"pose_error_mm={e}", f"pose_error_deg={e}") for e in ERRORS)]
+    errors = [(f"pose_error_mm={e}", f"pose_error_deg={e}", f"pose_error_in={p}") for p in ERROR_PLACES for e in ERRORS]
+    changes = [(), HALF_STEP, *CHOICES.values(), *errors]
     path = tmp_path / "picks.jsonl"
     with path.open("w") as file:
         for overrides in changes:
@@ -36,13 +37,15 @@ def kept(tmp_path):
 
 def test_what_was_done_before_is_not_done_again_and_all_tables_come_out(kept):
     before = kept.read_text()
-    tables = list(run(6, [], 5, 1, [], kept, lambda text: None))
-    assert [len(t.rows) for t in tables] == [7, 4, 5, 2]
+    tables = list(run(6, ["placements", "errors", "choices", "physics"], 5, 1, [], kept, lambda text: None))
+    assert [len(t.rows) for t in tables] == [7, 4, 4, 5, 2]
     last = tables[0].rows[-1]
     assert last[:3] == ("all", 6, pytest.approx(500 / 6))
     assert kept.read_text() == before
 
 
 def test_an_unknown_part_is_refused():
-    with pytest.raises(InputError, match="unknown part 'luck', allowed are placements, errors, choices, physics"):
+    with pytest.raises(
+        InputError, match="unknown part 'luck', allowed are placements, errors, choices, physics, switch"
+    ):
         list(run(6, ["luck"], 0, 1, [], None, lambda text: None))
