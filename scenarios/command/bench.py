@@ -14,7 +14,7 @@ TABLES = {
     ),
     "servo": (
         "Visual servoing: laws from many starts, hard cases, wrong calibration, following, lost targets, rendered runs.",
-        "starts, hard, calibration, following, loss, rendered",
+        "starts, hard, calibration, following, loss, rendered, pursuit",
     ),
     "people": (
         "Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels.",

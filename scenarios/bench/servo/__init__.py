@@ -18,6 +18,7 @@ PARTS = {
     "following": "a moving object, with and without feed-forward",
     "loss": "the target lost on the way",
     "rendered": "a sample with rendered pictures and the real tracker",
+    "pursuit": "a moving object with rendered pictures and the real tracker",
 }
 
 

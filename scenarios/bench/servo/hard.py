@@ -43,7 +43,7 @@ def run(bench: Bench) -> Iterator[Table]:
         "in view",
         "stopped at a limit",
     )
-    seeds = bench.seeds(2, 1)
+    seeds = bench.seeds(10, 1)
     rows, kept = [], True
     for case, start in CASES.items():
         settings = [looking(start, seed) for seed in seeds]

@@ -34,7 +34,6 @@ def run(bench: Bench) -> Iterator[Table]:
     for servo, summaries in found.items():
         figures = [summary["figures"] for summary in summaries]
         mm, deg = (np.array([f[name] for f in figures]) for name in FIGURES)
-        used = max(value for f in figures for name, value in f.items() if name.endswith("_used_percent"))
         rows.append(
             (
                 servo,
@@ -44,7 +43,7 @@ def run(bench: Bench) -> Iterator[Table]:
                 float(np.median(deg)),
                 float(deg.max()),
                 float(np.median([f["tracking_translation_rms_mm"] for f in figures])),
-                float(used),
+                most_used(figures),
             )
         )
     yield Table(
@@ -54,6 +53,11 @@ def run(bench: Bench) -> Iterator[Table]:
         note="final: largest error of the last 0.5 s, median and worst of the starts; two pixels rendered for one. limits used: most "
         "of any joint limit.",
     )
+
+
+def most_used(figures: list[dict]) -> float:
+    """The largest share of any joint limit that any of the runs used [%]."""
+    return float(max(value for f in figures for name, value in f.items() if name.endswith("_used_percent")))
 
 
 def _settings(overrides: list[str]):
