@@ -5,13 +5,14 @@ import difflib
 from vipr.scenarios.align import Align, Follow
 from vipr.scenarios.instruct import Instruct
 from vipr.scenarios.pick import Pick
+from vipr.scenarios.pick_and_place import PickAndPlace
 from vipr.scenarios.place_by_showing import PlaceByShowing
 from vipr.scenarios.scenario import Scenario
 from vipr.scenarios.torque_switch import TorqueSwitch
 from vipr.systems.errors import InputError
 
 SCENARIOS: dict[str, type[Scenario]] = {
-    scenario.name: scenario for scenario in (Instruct, Align, Follow, PlaceByShowing, Pick, TorqueSwitch)
+    scenario.name: scenario for scenario in (Instruct, Align, Follow, PlaceByShowing, Pick, PickAndPlace, TorqueSwitch)
 }
 
 

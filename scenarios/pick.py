@@ -8,6 +8,7 @@ from pydrake.systems.framework import Context, Diagram
 from pydrake.systems.primitives import ConstantVectorSource
 
 from vipr.diagrams.pick import PickRobot
+from vipr.diagrams.stages import Maker
 from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed_camera
 from vipr.models import model_path, object_names
 from vipr.scenarios.camera_knowledge import CameraKnowledge
@@ -149,10 +150,14 @@ class Pick(Scenario):
             lens=self._lens,
             film=s.film,
             tracker=s.tracker,
-            stages=load_stages(s.stages),
+            stages=self.stages(),
         )
         rest = np.r_[self.placement.stage, np.zeros(3)]
         return self.fed(robot, {"stage_desired_state": ConstantVectorSource(rest)})
+
+    def stages(self) -> dict[str, Maker]:
+        """What takes the place of some of the robot's stages."""
+        return load_stages(self.settings.stages)
 
     def channels(self):
         return [
@@ -210,10 +215,10 @@ def judge_pick(
     raised = float(X_WO[-1, 2, 3] - X_WO[0, 2, 3])
     X_EO = np.linalg.inv(X_WE) @ X_WO
     held = bool(lifts and raised > 0.8 * lift)
-    slip, later_slip = _slip(X_EO[times >= lifts[-1]]) if lifts else np.nan, np.nan
+    slip, later_slip = farthest_in_hand(X_EO[times >= lifts[-1]]) if lifts else np.nan, np.nan
     lifted = [time for time, text in phases if text == "check"]
     if held and lifted:
-        later_slip = _slip(X_EO[times >= lifted[-1]])
+        later_slip = farthest_in_hand(X_EO[times >= lifted[-1]])
         held = slip < 0.03
     figures |= {
         "held": float(held),
@@ -231,7 +236,7 @@ def judge_pick(
     return Outcome(held and claims, reason, figures)
 
 
-def _slip(X_EO: np.ndarray) -> float:
+def farthest_in_hand(X_EO: np.ndarray) -> float:
     """The farthest that the object came in the hand [m] from where it was at first."""
     return float(np.linalg.norm(X_EO[:, :3, 3] - X_EO[0, :3, 3], axis=1).max())
 
