@@ -42,7 +42,7 @@ class PlaceSettings(ServoingSettings):
     duration_s: float = 8.0
     place: int = 1  # number of the shown place
     shown: str = ""  # file of ``vipr teach``; empty: the place is shown before the run
-    grip_m: float = 0.05  # the hand's grasp centre is so far below the object's top
+    grip_m: float = 0.03  # the hand's grasp centre is so far below the object's top; more, and the palm hides its edges
     start_offset_m: float = 0.10
     start_turn_deg: float = 45.0  # turn about the camera's y axis at the start
 

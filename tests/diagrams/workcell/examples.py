@@ -5,6 +5,7 @@ import numpy as np
 from vipr.diagrams.geometric_servo import GeometricServo
 from vipr.diagrams.hand_bench import HandBench, HandBenchConfig
 from vipr.diagrams.pick import PickRobot
+from vipr.diagrams.pick_then_place import PickThenPlace
 from vipr.diagrams.servo_robot import Schedule, ServoRobot
 from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed_camera, puma_with_hand, standing
 from vipr.models import model_path
@@ -14,7 +15,8 @@ from vipr.systems.grasping.grasp import load_grasps
 from vipr.systems.grasping.pick import Picker
 from vipr.systems.grasping.planning import Surroundings
 from vipr.systems.servo.image_based import ImageBased
-from vipr.systems.servo.tasks import Reach
+from vipr.systems.servo.tasks import Place, Reach
+from vipr.systems.signals import ObjectPose
 from vipr.systems.tracking.cad_model import load_model
 from vipr.systems.tracking.geometric_sight import GeometricSight, SightErrors
 from vipr.systems.truth import AlignmentError, KinematicTruth
@@ -73,6 +75,25 @@ def pick_robot():
     return system, fix
 
 
+def pick_then_place():
+    arm, X_WC = puma_with_hand(), fixed_camera()
+    model = load_model(model_path("milk_carton/model.yaml"))
+    picker = Picker(load_grasps(model_path("milk_carton/grasps.yaml")), Surroundings(arm, JOINT_LIMITS), X_WC)
+    X_CO = se3.inverse(X_WC) @ standing((0.0, 0.0, 0.0))
+    shown = model.corners @ X_CO[:3, :3].T + X_CO[:3, 3]
+    place = Place(X_WC, X_CO, model.corners, shown[:, :2] / shown[:, 2:])
+    system = PickThenPlace(picker, X_CO, place=place)
+
+    def fix(context, t):
+        seen = ObjectPose(X_CO=X_CO, state="tracking", time=t, number=round(t / 0.04))
+        system.GetInputPort("object_pose").FixValue(context, seen)
+        system.GetInputPort("joint_state").FixValue(context, np.concatenate([puma560.NAMED["nominal"], np.zeros(6)]))
+        system.GetInputPort("motor_position").FixValue(context, [0.1, 0.1, 0.1, 0.0])
+        system.GetInputPort("motor_torque").FixValue(context, np.zeros(4))
+
+    return system, fix
+
+
 def hand_bench():
     system = HandBench(HandBenchConfig())
 
@@ -89,5 +110,6 @@ EXAMPLES = {
     Workcell: workcell,
     ServoRobot: servo_robot,
     PickRobot: pick_robot,
+    PickThenPlace: pick_then_place,
     HandBench: hand_bench,
 }

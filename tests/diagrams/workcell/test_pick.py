@@ -1,6 +1,7 @@
-"""The pick robot's map: every wire, and none from truth to the task."""
+"""The pick robot's map and that of its task with a place: every wire, and none from truth to the task."""
 
 from vipr.diagrams.pick import PickRobot
+from vipr.diagrams.pick_then_place import PickThenPlace
 
 import laws
 from examples import EXAMPLES
@@ -26,3 +27,15 @@ WIRES = [
 def test_the_task_is_fed_by_these_wires_and_no_others():
     robot, _ = EXAMPLES[PickRobot]()
     assert laws.wires(robot) == WIRES
+
+
+def test_the_servo_takes_over_from_the_pick_through_these_wires_and_no_others():
+    task, _ = EXAMPLES[PickThenPlace]()
+    assert laws.wires(task) == [
+        "pick.V_WE_W -> hand_over.V_pick",
+        "pick.phase -> hand_over.pick_phase",
+        "pick.watching -> hand_over.pick_watching",
+        "servo.V_WE_W -> hand_over.V_place",
+        "servo.servo_error -> hand_over.servo_error",
+        "servo.status -> hand_over.servo_status",
+    ]

@@ -6,7 +6,9 @@ from pick_doubles import X_WO, picker, sighting
 from vipr.diagrams.workcell import fixed_camera
 from vipr.systems import se3
 from vipr.systems.arm import puma560
+from vipr.systems.grasping.hand_over import Arrival, HandOver
 from vipr.systems.grasping.task import PickTask
+from vipr.systems.signals import Status
 
 
 def pick_task():
@@ -23,4 +25,19 @@ def pick_task():
     return system, fix
 
 
-EXAMPLES = {PickTask: pick_task}
+def hand_over():
+    """The pick ends, and the object comes to its place."""
+    system = HandOver(arrival=Arrival(stay_s=0.1))
+
+    def fix(context, t):
+        system.GetInputPort("V_pick").FixValue(context, np.full(6, 0.1))
+        system.GetInputPort("pick_phase").FixValue(context, Status("held" if t > 0.1 else "lift"))
+        system.GetInputPort("pick_watching").FixValue(context, [0.0])
+        system.GetInputPort("V_place").FixValue(context, np.full(6, 0.2))
+        system.GetInputPort("servo_error").FixValue(context, np.full(6, max(0.3 - t, 0.0)))
+        system.GetInputPort("servo_status").FixValue(context, Status("servoing"))
+
+    return system, fix
+
+
+EXAMPLES = {PickTask: pick_task, HandOver: hand_over}
