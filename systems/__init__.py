@@ -30,6 +30,8 @@ hand        driver.HandDriver            motor_command, torque_limit, hand_state
 grasping    task.PickTask                object_pose, joint_state, motor_position, motor_torque ->     50 Hz
                                          V_WE_W, motor_command, torque_limit, initial_pose, watching,
                                          phase, slip_seen
+grasping    hand_over.HandOver           V_pick, pick_phase, pick_watching, V_place, servo_error,       50 Hz
+                                         servo_status -> V_WE_W, phase, watching
 recording   recorder.Recorder            one port a channel                                            25 Hz
 truth       PoseTruth, TrackingError,    body_poses -> X_WO_true, X_WE_true, X_CO_true; errors         25 Hz
             AlignmentError, PlacementError,
