@@ -92,7 +92,7 @@ def grasp(
     only: Annotated[
         str, typer.Option(help="Parts, with commas between: placements, errors, choices, physics, switch.")
     ] = "",
-    seed: Annotated[int, typer.Option(help="Seed of the first placement.", min=0)] = 1000,
+    seed: Annotated[int, typer.Option(help="Seed of the first placement.", min=0)] = 20000,
     settings: Annotated[
         list[str], typer.Option("--set", metavar="KEY=VALUE", help="A setting of `pick`; repeatable.")
     ] = [],  # noqa: B006 (typer copies it)
