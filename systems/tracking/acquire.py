@@ -10,6 +10,7 @@ from vipr.systems.tracking.displacements import corner_information, difference
 from vipr.systems.tracking.edge_pass import edge_pass
 from vipr.systems.tracking.keyframes import choose_keyframe
 from vipr.systems.tracking.pose_fit import Prior
+from vipr.systems.tracking.rivals import closest
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.small_algebra import invert
@@ -34,18 +35,18 @@ def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
     """The first frame after a pose was given from outside.
 
     If the edges are where the pose says, it is taken. Otherwise its error may be tens of pixels: many starts about it, and the best by a
-    margin. The pose given counts as a measurement of its own, the less the further the image is from it.
+    margin; then rivals of that one. The pose given counts as a measurement of its own, the less the further the image is from it.
     """
     sight.open([X_CO_given], margin=3.0 * sight.settings.reach)
     best = attempt(sight, X_CO_given, None, 0, near=True)
-    off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
+    agreement = _agreement(sight, best.X_CO, X_CO_given)[2]
     believed = best.evidence.score > GIVEN_IS_GOOD and (agreement > 0.5 or best.evidence.edges > 0.8)
     if not believed and sight.settings.start_search:
         best = _acquire_far(sight, X_CO_given, best, agreement)
-        off, aim, agreement = _agreement(sight, best.X_CO, X_CO_given)
-    X, fit, matches, _ = edge_pass(
-        sight, best.X_CO, sight.settings.fine_reach, (1.3,), Prior(off, agreement * aim), 2.0, sharp=True
-    )
+    X = closest(sight, best.X_CO) if sight.settings.rivals else best.X_CO
+    off, aim, agreement = _agreement(sight, X, X_CO_given)
+    prior = Prior(off, agreement * aim)
+    X, fit, matches, _ = edge_pass(sight, X, sight.settings.fine_reach, (1.3,), prior, 2.0, sharp=True, settled=True)
     evidence = replace(weigh(matches, fit), given=agreement)
     return Attempt(X, invert(fit.information + 1e-3 * sight.information), evidence)
 

@@ -16,6 +16,7 @@ from vipr.systems.tracking.pose_fit import Fit
 from vipr.systems.tracking.texture import TextureFit
 
 NEAR = 1.5  # px: an edge within this supports its node
+CLOSE = 0.3  # px: residuals of a sharp picture at the right pose are smaller
 TRACKING, LOST = 0.5, 0.15  # score above which the pose can be used, below which it means nothing
 
 
@@ -32,6 +33,9 @@ class Evidence:
     given: float = 0.0  # 0 to 1, how well a pose given from outside agrees
     unproven: bool = False  # it was not tracked before, and its texture cannot be compared
     quality: float = 0.0  # 0 to 1, how closely and how strongly the nodes' edges fit: compares attempts at one image
+    closeness: float = (
+        0.0  # 0 to 1, how closely alone, and to a fraction of a pixel: tells an edge from a line of print beside it
+    )
 
     @property
     def by_edges(self) -> float:
@@ -69,19 +73,19 @@ def weigh(
     N = len(matches.offset)
     if not N:
         return Evidence()
-    edges, supported, quality = _support(
+    edges, supported, quality, closeness = _support(
         matches.strength, matches.wide, matches.reach, fit.residual, fit.chosen, shown * np.ones(N)
     )
     seen = (texture.significance, texture.patches) if texture is not None else (0.0, 0)
     trust = keyframe.trust if keyframe is not None else 1.0
-    return Evidence(edges, supported, *seen, fit.sigma, trust, quality=quality)
+    return Evidence(edges, supported, *seen, fit.sigma, trust, quality=quality, closeness=closeness)
 
 
 @compiled
 def _support(strength, wide, reach, residual, chosen, shown):
-    """(share of the shown nodes that have their edge near, beyond chance; their number; how closely and strongly the edges fit)."""
+    """(share of the shown nodes that have their edge near, beyond chance; their number; `Evidence.quality`; `Evidence.closeness`)."""
     N = len(residual)
-    share, all_shown, chance, quality, supported = 0.0, 0.0, 0.0, 0.0, 0
+    share, all_shown, chance, quality, closeness, supported = 0.0, 0.0, 0.0, 0.0, 0.0, 0
     for n in range(N):
         found, strongest = 0, 1e-9
         for k in range(wide):
@@ -95,5 +99,6 @@ def _support(strength, wide, reach, residual, chosen, shown):
         if residual[n] == residual[n]:
             clear = min(abs(strength[n, chosen[n]]) / strongest, 1.0)
             quality += np.exp(-0.5 * residual[n] ** 2) * (0.5 + 0.5 * clear)
+            closeness += np.exp(-0.5 * (residual[n] / CLOSE) ** 2)
     chance /= N
-    return (share / all_shown - chance) / (1.0 - chance), supported, quality / N
+    return (share / all_shown - chance) / (1.0 - chance), supported, quality / N, closeness / N

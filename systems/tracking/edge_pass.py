@@ -30,11 +30,12 @@ def edge_pass(
     texture: TextureFit | None = None,
     sharp: bool = False,
     alone: Prior | None = None,
+    settled: bool = False,
 ):
     """Nodes, edges within reach [px] and one robust fit: (pose, Fit, Matches, how far the texture shows each node uncovered).
 
     sharp: near the pose the sharp derivative decides, wherever the edge is clear of the noise, and the nearest edge wins.
-    alone: the prior without the texture, where there is one.
+    alone: the prior without the texture, where there is one. settled: only the edges nearest to where the nodes are count.
     """
     settings = sight.settings
     nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
@@ -46,7 +47,9 @@ def edge_pass(
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
         free = fit_pose(J, matches, likely, widths, alone, anneal=False, **common).spread
-    fit = fit_pose(J, matches, likely, widths, prior, doubt=doubt, spread=free, anneal=alone is None, **common)
+    fit = fit_pose(
+        J, matches, likely, widths, prior, doubt=doubt, spread=free, anneal=alone is None and not settled, **common
+    )
     return move(X_CO, fit.d), fit, matches, shown
 
 
@@ -81,14 +84,15 @@ def preferences(strength, wide):
     return likely
 
 
-def look(sight, nodes, reach, sharp_reach=0.0):
+def look(sight, nodes, reach, sharp_reach=0.0, hypotheses=None):
+    """The edges along the normals of the nodes, as many as the settings say or as given."""
     contrast = max(sight.settings.contrast, 0.8 * sight.patch.noise)
     return find_edges(
         sight.patch,
         nodes,
         reach,
         contrast=contrast,
-        hypotheses=sight.settings.hypotheses,
+        hypotheses=hypotheses or sight.settings.hypotheses,
         quantise=sight.settings.quantised_normals,
         sharp_reach=sharp_reach,
     )

@@ -241,12 +241,22 @@ def _surface_points(model, X_CO, lens, pixel, occluders_C):
         owner = np.where(seen, np.r_[model.surface_owner, np.full(len(surface) - own, -1)][nearest], -1)
         for i, (start, end, radius) in enumerate((c[:3], c[3:6], c[6]) for c in model.cylinders):
             axis = X_CO[:3, :3] @ unit(end - start)
-            spoke = p_C - (X_CO[:3, :3] @ start + X_CO[:3, 3])
-            spoke = spoke - np.outer(spoke @ axis, axis)
             round_ = (owner == i) & (np.abs(n_C @ axis) < 0.5)
-            p_C = np.where(round_[:, None], p_C - spoke + radius * unit(spoke), p_C)
-            n_C = np.where(round_[:, None], unit(spoke), n_C)
+            p, spoke = _on_cylinder(ray[round_], X_CO[:3, :3] @ start + X_CO[:3, 3], axis, radius)
+            p_C[round_], n_C[round_] = p, unit(spoke)
     return p_C, np.where(seen[:, None], n_C, np.nan)
+
+
+def _on_cylinder(ray, base, axis, radius):
+    """Where rays (M, 3) from the camera's centre enter a cylinder about an axis through base, and the spokes there (M, 3); all in C.
+
+    A ray that passes it by is taken where it comes nearest.
+    """
+    across = ray - np.outer(ray @ axis, axis)
+    start = base - (base @ axis) * axis
+    a, b, c = (across * across).sum(1), across @ start, start @ start - radius**2
+    p = ray * ((b - np.sqrt(np.maximum(b * b - a * c, 0.0))) / a)[:, None]
+    return p, p - base - np.outer((p - base) @ axis, axis)
 
 
 def choose_keyframe(keyframes: tuple[Keyframe, ...], X_CO: np.ndarray, limit: float = 0.6) -> Keyframe | None:

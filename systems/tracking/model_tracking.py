@@ -50,6 +50,7 @@ class TrackerSettings:
     colour: bool = True  # edges by the strongest colour channel; else by grey
     quantised_normals: bool = False  # the paper's 0, 45, 90, 135 degrees and whole pixels
     second_try: bool = True  # other starts and longer searches when the evidence is thin
+    rivals: bool = True  # other poses near the one found that fit more closely
     start_search: bool = True  # look around a pose that was given, which may be tens of pixels off
     initial_px: float = 1.0  # px, how well a given pose places the model's corners if it is good
     model_error: float = 0.05  # px, least error of an edge of the model, common to its nodes

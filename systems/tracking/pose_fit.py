@@ -92,7 +92,7 @@ def fit_pose(
 
 
 @compiled
-def _add_row(H, g, row, weight, target):
+def add_row(H, g, row, weight, target):
     """Normal equations of one more measurement ``row . d = target``; H below the diagonal stays empty until ``mirror``."""
     for i in range(6):
         wi = weight * row[i]
@@ -117,7 +117,7 @@ def _anneal(J, offset, preference, node_weight, base, pull, widths, noise_floor)
                     mean += share * offset[n, k]
             if total > 1e-12:  # a node with nothing near its prediction says nothing
                 weight = node_weight[n] * total / ((total + 0.1) * max(width, noise_floor) ** 2)
-                _add_row(H, g, J[n], weight, mean / total)
+                add_row(H, g, J[n], weight, mean / total)
         mirror(H)
         d = solve(H + base, g)
     return d
@@ -193,7 +193,7 @@ def _refine(
         for n in range(N):
             if weight[n] > 0.0:
                 pulled = weight[n] / ((1.0 + held[edge[n]] * common) * sigma**2)
-                _add_row(H, g, J[n], pulled, offset[n, chosen[n]])
+                add_row(H, g, J[n], pulled, offset[n, chosen[n]])
         mirror(H)
         d = solve(H + base, g)
     for n in range(N):

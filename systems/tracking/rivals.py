@@ -1,0 +1,147 @@
+"""Rival poses: others nearby whose edges also lie on edges of the image. A band of print beside a rim is as long and as strong as the
+rim; what tells them apart is that at the right pose all edges fit to a fraction of a pixel at once.
+
+A few nodes drawn at random, each with one of the edges along its normal, give a pose; the poses to which most other nodes agree are kept
+(random sample consensus) and settled on the image. Same inputs, same draws.
+"""
+
+import numpy as np
+
+from vipr.systems.compiled import compiled
+from vipr.systems.tracking.diagnosis import Evidence, weigh
+from vipr.systems.tracking.displacements import difference, move, normal_jacobian
+from vipr.systems.tracking.edge_pass import about, edge_pass, look
+from vipr.systems.tracking.pose_fit import add_row
+from vipr.systems.tracking.sight import Sight
+from vipr.systems.tracking.small_algebra import dot6, mirror, solve
+from vipr.systems.tracking.visible_edges import visible_nodes
+
+REACH = 10.0  # px, how far from its node an edge may be
+HYPOTHESES = 8  # edges of a node, at most
+DRAWS = 500
+DRAWN = 6  # nodes
+DRAWN_PX = 0.5  # how well a drawn edge is known
+WIDTHS = np.array(
+    [1.5, 1.5, 1.0, 0.6, 0.4]
+)  # px, about a drawn pose, within which other nodes agree, from pass to pass
+PROMISING = 0.75  # share of the best agreement so far below which a draw is given up
+APART = 0.5  # px RMS of the nodes between rivals
+KEPT = 8  # rivals
+ROUNDS = 3  # at most; each starts from the best of the one before
+BETTER = 0.03  # of closeness: a pose that fits clearly closer
+
+
+def settle_on(sight: Sight, X_CO: np.ndarray, passes: int = 3) -> tuple[np.ndarray, Evidence]:
+    """The pose at which the edges nearest to X_CO fit, and what they say of it."""
+    for _ in range(passes):
+        prior = about(sight, X_CO, X_CO, None)
+        X_CO, fit, matches, _ = edge_pass(
+            sight, X_CO, sight.settings.fine_reach, (0.7,), prior, sharp=True, settled=True
+        )
+    return X_CO, weigh(matches, fit)
+
+
+def closest(sight: Sight, X_CO: np.ndarray) -> np.ndarray:
+    """The pose near X_CO whose edges fit most closely; X_CO itself unless others fit clearly closer."""
+    best, closeness = X_CO, settle_on(sight, X_CO)[1].closeness
+    for _ in range(ROUNDS):
+        settled = [settle_on(sight, X) for X in rivals(sight, best)]
+        X, evidence = max(settled, key=lambda one: one[1].closeness, default=(best, Evidence()))
+        if evidence.closeness < closeness + BETTER:
+            break
+        best, closeness = X, evidence.closeness
+    return best
+
+
+def rivals(sight: Sight, X_CO: np.ndarray) -> list[np.ndarray]:
+    """Poses near X_CO at which many nodes have an edge, the likeliest first; X_CO is one of them if its own do."""
+    settings = sight.settings
+    nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
+    if len(nodes) < DRAWN:
+        return []
+    matches = look(sight, nodes, REACH, REACH, HYPOTHESES)
+    sharp = (matches.strength[:, matches.wide :] != 0).any(1)[
+        :, None
+    ]  # where there is none, the wide derivative must do
+    offset, strength = (
+        np.where(sharp, part[:, matches.wide :], part[:, : matches.wide]) for part in (matches.offset, matches.strength)
+    )
+    pull = sight.information @ difference(X_CO, sight.X_CO_ahead)
+    J = normal_jacobian(nodes, X_CO, sight.lens)
+    return [move(X_CO, d) for d in _agreed(J, offset, strength != 0, sight.information, pull)]
+
+
+@compiled
+def _agreed(J, offset, present, prior, pull):
+    """(M, 6) displacements on which most nodes agree, the best first."""
+    N, K = offset.shape
+    count = np.zeros(N, np.int64)
+    for n in range(N):
+        for k in range(K):
+            count[n] += present[n, k]
+    found, agreement = np.zeros((KEPT, 6)), np.full(KEPT, -1.0)
+    state, most = np.uint64(88172645463325252), 0.0
+    for _ in range(DRAWS):
+        H, g = prior.copy(), pull.copy()
+        for _ in range(DRAWN):
+            state = _next(state)
+            n = int(state % np.uint64(N))
+            if count[n] == 0:
+                continue
+            state = _next(state)
+            left, k = int(state % np.uint64(count[n])), 0
+            while left > 0 or not present[n, k]:
+                left -= present[n, k]
+                k += 1
+            add_row(H, g, J[n], 1.0 / DRAWN_PX**2, offset[n, k])
+        mirror(H)
+        d, score = solve(H, g), 0.0
+        for turn in range(len(WIDTHS)):
+            H, g, score = prior.copy(), pull.copy(), 0.0
+            for n in range(N):
+                predicted, nearest = dot6(J[n], d), np.inf
+                for k in range(K):
+                    if present[n, k] and abs(offset[n, k] - predicted) < abs(nearest):
+                        nearest = offset[n, k] - predicted
+                if abs(nearest) < 3.0 * WIDTHS[turn]:
+                    agrees = np.exp(-0.5 * (nearest / WIDTHS[turn]) ** 2)
+                    score += agrees / N
+                    add_row(H, g, J[n], agrees / WIDTHS[turn] ** 2, nearest + predicted)
+            if turn == 0:
+                if score < PROMISING * most:
+                    break
+                most = max(most, score)
+            if turn + 1 < len(WIDTHS):
+                mirror(H)
+                d = solve(H, g)
+        else:
+            _keep(found, agreement, J, d, score)
+    order = np.argsort(-agreement)
+    return found[order][: (agreement > 0.0).sum()]
+
+
+@compiled
+def _next(state):
+    """Marsaglia's xorshift."""
+    state ^= state << np.uint64(13)
+    state ^= state >> np.uint64(7)
+    return state ^ (state << np.uint64(17))
+
+
+@compiled
+def _keep(found, agreement, J, d, score):
+    """Puts d among those found, in the place of one that is the same or of the worst, if it is better."""
+    place, same = 0, False
+    for i in range(len(found)):
+        if agreement[i] < 0.0:
+            continue
+        square = 0.0
+        for n in range(len(J)):
+            square += dot6(J[n], d - found[i]) ** 2
+        if square < APART**2 * len(J):
+            place, same = i, True
+            break
+    if not same:
+        place = agreement.argmin()
+    if score > agreement[place]:
+        agreement[place], found[place] = score, d
