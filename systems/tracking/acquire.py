@@ -7,7 +7,7 @@ import numpy as np
 from vipr.systems import se3
 from vipr.systems.tracking.diagnosis import weigh
 from vipr.systems.tracking.displacements import corner_information, difference
-from vipr.systems.tracking.edge_pass import edge_pass
+from vipr.systems.tracking.edge_pass import about, edge_pass
 from vipr.systems.tracking.keyframes import choose_keyframe
 from vipr.systems.tracking.pose_fit import Prior
 from vipr.systems.tracking.rivals import closest
@@ -46,7 +46,8 @@ def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
     X = closest(sight, best.X_CO) if sight.settings.rivals else best.X_CO
     off, aim, agreement = _agreement(sight, X, X_CO_given)
     prior = Prior(off, agreement * aim)
-    X, fit, matches, _ = edge_pass(sight, X, sight.settings.fine_reach, (1.3,), prior, 2.0, sharp=True, settled=True)
+    alone = about(sight, X, X, None)
+    X, fit, matches, _ = edge_pass(sight, X, sight.settings.fine_reach, (1.3,), prior, 6.0, sharp=True, alone=alone)
     evidence = replace(weigh(matches, fit), given=agreement)
     return Attempt(X, invert(fit.information + 1e-3 * sight.information), evidence)
 
