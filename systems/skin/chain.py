@@ -12,7 +12,7 @@ import numpy as np
 from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin import colour_model, scene
 from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup
-from vipr.systems.skin.classifier import DARKEST, SkinOptions, classify
+from vipr.systems.skin.classifier import DARKEST, SkinOptions, classify, without_still
 from vipr.systems.skin.colour_model import ColourModel, initial_model, possible_table
 from vipr.systems.skin.density import components, density
 from vipr.systems.skin.first_light import first_light
@@ -63,30 +63,30 @@ def see_skin(
         gains = scene.light_change(small, belief.scene, gains)
         mark("light")
     colours = chromaticity(small, gains)
-    if cut or scene.is_cut(colours.pixels, belief.scene):
+    if cut or scene.is_cut(colours, belief.scene):
         belief, cut = SkinBelief(learned=time), True
         gains = first_light(small) if options.follow_light else np.ones(3)
         colours = chromaticity(small, gains)
-        still, stood = scene.new_scene(colours.pixels), np.zeros(small.shape[:2], np.float32)
+        still, stood = scene.new_scene(colours), np.zeros(small.shape[:2], np.float32)
         rest = histogram_of_rest(colours, colours.total >= DARKEST, still)
         model = colour_model.adapt(belief.model, np.zeros_like(rest), rest, 0.3)
     else:
         model, dt = belief.model, min(max(time - belief.regions.time, 1e-3), 0.5)
         mark("segmentation")
         brighter = float(np.mean(gains / belief.gains))
-        still, stood = scene.watch(colours.pixels, belief.scene, odd(11 * u), dt, brighter)
+        still, stood = scene.watch(colours, belief.scene, odd(11 * u), dt, brighter)
         mark("motion")
     skin = classify(small, colours, model, options)
     if options.classifier == "ratio" and model.share < 0.6:
         skin = _moving(skin, colours, still)
     if options.still_scene:
-        skin = cv2.multiply(skin, 1.0 - 0.95 * stood, dtype=cv2.CV_8U)
+        skin = without_still(skin, stood)
     mark("segmentation")
     dense = density(skin, odd(3.4 * u))
     mark("density")
     labels, _, boxes = components(dense, 120, 8.0 * u * u, options.most_regions)
     mark("components")
-    found = describe(labels, boxes, skin, scene.brightness(colours.pixels), still)
+    found = describe(labels, boxes, skin, colours.luma, still)
     mark("description")
     learned = belief.learned
     if cut or time - learned >= LEARN_EVERY - 1e-6:

@@ -12,6 +12,7 @@ from vipr.systems.compiled import compiled
 
 R_BINS, G_BINS = 96, 64  # of a table over r and g
 R_LOW, G_LOW, STEP = 0.15, 0.10, 1.0 / 160.0  # r from 0.15 to 0.75, g from 0.10 to 0.50
+_LUMA = np.array([[0.25, 0.5, 0.25]], np.float32)
 WHITE = np.ones(3)  # gains of B, G, R that leave an image alone
 
 
@@ -22,12 +23,13 @@ class Chromaticity:
     index: np.ndarray  # (h, w) uint16: 256 * (bin of r) + (bin of g); bins beyond the table are clipped to 0 or 255
     total: np.ndarray  # (h, w) float32, R + G + B of the camera, before the gains
     pixels: np.ndarray  # (h, w, 3) float32 BGR, after the gains
+    luma: np.ndarray  # (h, w) float32, brightness after the gains
 
 
 def chromaticity(image: np.ndarray, gains: np.ndarray = WHITE) -> Chromaticity:
     """Table indices of r and g of image (h, w, 3) BGR uint8, after the channels are multiplied by ``gains`` (3,)."""
     index, total, pixels = _convert(np.ascontiguousarray(image), np.asarray(gains, np.float32))
-    return Chromaticity(index, total, pixels)
+    return Chromaticity(index, total, pixels, cv2.transform(pixels, _LUMA))
 
 
 @compiled
@@ -54,11 +56,26 @@ def bin_centres() -> tuple[np.ndarray, np.ndarray]:
     return R_LOW + STEP * np.arange(R_BINS)[:, None], G_LOW + STEP * np.arange(G_BINS)[None, :]
 
 
-def lookup(table: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """Values of a table (R_BINS, G_BINS) at the indices (h, w); zero beyond the table."""
+def by_index(table: np.ndarray) -> np.ndarray:
+    """(256, 256) read-only: the values of a table (R_BINS, G_BINS) where indices point; zero beyond the table."""
     padded = np.zeros((256, 256), table.dtype)
     padded[1 : R_BINS - 1, 1 : G_BINS - 1] = table[1:-1, 1:-1]
-    return padded.ravel().take(index)
+    padded.setflags(write=False)
+    return padded
+
+
+def lookup(table: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """Values of a table, (R_BINS, G_BINS) or :func:`by_index`, at the indices (h, w); zero beyond the table."""
+    return _take(table if table.shape == (256, 256) else by_index(table), index)
+
+
+@compiled
+def _take(table, index):
+    out = np.empty(index.shape, table.dtype)
+    for i in range(index.shape[0]):
+        for j in range(index.shape[1]):
+            out[i, j] = table[index[i, j] >> 8, index[i, j] & 255]
+    return out
 
 
 def histogram(index: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vipr.systems.compiled import compiled
 from vipr.systems.errors import InputError
 from vipr.systems.skin.chromaticity import Chromaticity, hue_saturation, lookup
-from vipr.systems.skin.colour_model import ColourModel, skin_table
+from vipr.systems.skin.colour_model import ColourModel
 from vipr.systems.skin.locus import SkinBox, box_table
 
 DARKEST = 36.0  # R + G + B below which chromaticity is noise
@@ -43,6 +44,24 @@ def classify(image: np.ndarray, colours: Chromaticity, model: ColourModel, optio
     elif options.classifier == "locus":
         skin = lookup(box_table(SkinBox(1.0 / 3.0, 1.0, 0.0, 1.0)), colours.index)
     else:
-        skin = lookup(skin_table(model), colours.index)
-    skin[colours.total < DARKEST] = 0
-    return skin
+        skin = lookup(model.table, colours.index)
+    return _bright_enough(skin, colours.total, np.float32(DARKEST))
+
+
+@compiled
+def _bright_enough(skin, total, darkest):
+    out = np.empty_like(skin)
+    for i in range(skin.shape[0]):
+        for j in range(skin.shape[1]):
+            out[i, j] = skin[i, j] if total[i, j] >= darkest else 0
+    return out
+
+
+@compiled
+def without_still(skin, stood):
+    """Skin (h, w) uint8 less 0.95 of it where ``stood`` (h, w) float32, 0 to 1, says what always stood there."""
+    out = np.empty_like(skin)
+    for i in range(skin.shape[0]):
+        for j in range(skin.shape[1]):
+            out[i, j] = np.uint8(np.rint(skin[i, j] * (np.float32(1.0) - np.float32(0.95) * stood[i, j])))
+    return out

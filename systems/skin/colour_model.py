@@ -7,12 +7,12 @@ tells a face from a wall of nearly its colour. Both are bounded: regions move th
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import cv2
 import numpy as np
 
-from vipr.systems.skin.chromaticity import G_BINS, R_BINS, bin_centres
+from vipr.systems.skin.chromaticity import G_BINS, R_BINS, bin_centres, by_index
 from vipr.systems.skin.locus import SkinBox, box_table, skin_prior
 
 REACH = 0.09  # how far in r or g regions may pull the model from its anchor
@@ -37,18 +37,14 @@ def _uniform() -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def doubt_table() -> np.ndarray:
-    """(R_BINS, G_BINS) float32, 0 to 1: how far a colour may be anybody's skin, so that it need not belong to the room."""
-    table = (0.55 * _prior() / (_prior() + np.float32(0.6 / (R_BINS * G_BINS)))).astype(np.float32)
-    table.setflags(write=False)
-    return table
+    """(256, 256) float32 by index, 0 to 1: how far a colour may be anybody's skin, so that it need not belong to the room."""
+    return by_index((0.55 * _prior() / (_prior() + np.float32(0.6 / (R_BINS * G_BINS)))).astype(np.float32))
 
 
 @lru_cache(maxsize=1)
 def possible_table() -> np.ndarray:
-    """(R_BINS, G_BINS) float32, 1 where the prior leaves some chance for skin."""
-    table = (_prior() > 2e-6).astype(np.float32)
-    table.setflags(write=False)
-    return table
+    """(256, 256) float32 by index, 1 where the prior leaves some chance for skin."""
+    return by_index((_prior() > 2e-6).astype(np.float32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +56,11 @@ class ColourModel:
     share: float = 0.0  # 0 to LARGEST_SHARE of ``skin`` that comes from this person
     anchor: tuple[float, float] | None = None  # r, g about which the model is bounded; None before it has seen a person
     box: SkinBox = SkinBox()
+
+    @cached_property
+    def table(self) -> np.ndarray:
+        """(256, 256) uint8 by index: 255 times the probability that a colour is skin."""
+        return by_index(skin_table(self))
 
 
 def initial_model() -> ColourModel:

@@ -23,14 +23,14 @@ def first_light(small: np.ndarray) -> np.ndarray:
         tried = np.ones(3) if kelvin is None else 1.0 / light_gains(1.0, kelvin)
         colours = chromaticity(small, tried)
         model = initial_model()
-        blank = scene.new_scene(colours.pixels)
+        blank = scene.new_scene(colours)
         rest = histogram_of_rest(colours, colours.total >= DARKEST, blank)
         model = colour_model.adapt(model, np.zeros_like(rest), rest, 0.3)
         skin = classify(small, colours, model, SkinOptions())
         labels, areas, boxes = components(density(skin, odd(3.4 * u)), 120, 40.0 * u * u, 6)
         if not len(areas):
             continue
-        found = describe(labels, boxes, skin, scene.brightness(colours.pixels), blank)
+        found = describe(labels, boxes, skin, colours.luma, blank)
         compact = np.clip(4.0 - found.areas / (np.pi * np.maximum(found.cores[:, 2], 1.0) ** 2), 0.0, 2.0) / 2.0
         looks = float((found.faceness * (0.5 + 0.5 * compact)).max()) + (0.12 if kelvin is None else 0.0)
         if looks > best:

@@ -30,7 +30,7 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
                 awake = stirring(colours, still)
                 kept, on_person = kept | awake, on_person | awake
                 still = scene.forget(still, awake)
-        still = scene.settle(still, colours.pixels, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
+        still = scene.settle(still, colours, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
     if not options.adapt:
         return still, model
     bright, person = colours.total >= DARKEST, on_person > 0

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from vipr.systems.compiled import compiled
+from vipr.systems.skin.chromaticity import Chromaticity
 
 SETTLE = 1.2  # s after which an unchanging pixel is surely background
 FORGET = 0.6  # s after which a changed pixel is no longer
@@ -17,7 +18,6 @@ MOTION_HALF_LIFE = 0.35  # s, of the motion energy
 ALIVE_HALF_LIFE = 4.0  # s, for which a place where something moved is kept out of the background
 _NEIGHBOURS = np.ones((3, 3), np.uint8)
 SAMPLES = 1200  # pixels that the light is judged by
-_LUMA = np.array([[0.25, 0.5, 0.25]], np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,69 +32,67 @@ class Scene:
     noise: float = 2.0  # grey levels, of the difference of two frames
 
 
-def brightness(pixels: np.ndarray) -> np.ndarray:
-    """(h, w) float32 of pixels (h, w, 3)."""
-    return cv2.transform(pixels, _LUMA)
-
-
-def new_scene(pixels: np.ndarray) -> Scene:
-    """The scene after its first frame (h, w, 3) float32: nothing is known to be background."""
-    zero = np.zeros(pixels.shape[:2], np.float32)
-    return Scene(pixels, zero, brightness(pixels), zero, zero)
+def new_scene(colours: Chromaticity) -> Scene:
+    """The scene after its first frame: nothing is known to be background."""
+    zero = np.zeros(colours.luma.shape, np.float32)
+    return Scene(colours.pixels, zero, colours.luma, zero, zero)
 
 
 def light_change(raw: np.ndarray, scene: Scene, gains: np.ndarray) -> np.ndarray:
     """(3,) gains that bring the picture raw (h, w, 3) uint8 to the still scene's light; ``gains`` where too little of it is visible."""
     step = max(3, round((raw.shape[0] * raw.shape[1] / SAMPLES) ** 0.5))
-    ratio, usable = _ratios(raw, scene.pixels, scene.alive, step)
-    calm = usable == 2
-    if np.count_nonzero(calm) <= 0.25 * len(usable):
-        calm = usable > 0
-    if np.count_nonzero(calm) < 60:
+    places = (-(raw.shape[0] // -step)) * (-(raw.shape[1] // -step))
+    ratio = _ratios(raw, scene.pixels, scene.alive, step, np.float32(0.3))
+    if ratio.shape[1] <= 0.25 * places:
+        ratio = _ratios(raw, scene.pixels, scene.alive, step, np.float32(np.inf))
+    if ratio.shape[1] < 60:
         return gains
-    ratio = ratio[calm]
-    middle = len(ratio) // 2
-    fresh = np.partition(ratio, middle, axis=0)[middle]
-    spread = np.partition(np.abs(ratio[:, 1] / fresh[1] - 1.0), middle)[middle]
+    middle = ratio.shape[1] // 2
+    fresh = np.array([np.partition(channel, middle)[middle] for channel in ratio])
+    spread = np.partition(np.abs(ratio[1] / fresh[1] - 1.0), middle)[middle]
     if spread > 0.25:  # another view, not another light
         return gains
     return np.clip(fresh, 0.15, 6.0)
 
 
 @compiled
-def _ratios(raw, then, alive, step):
-    """(n, 3) the scene over the picture at every ``step``-th place; and (n,) 2 where calm and well exposed, 1 well exposed, 0 not."""
+def _ratios(raw, then, alive, step, calm):
+    """(3, n) the scene over the picture at every ``step``-th place that is well exposed and where less than ``calm`` is alive."""
     rows, columns = (raw.shape[0] + step - 1) // step, (raw.shape[1] + step - 1) // step
-    ratio = np.ones((rows * columns, 3), np.float32)
-    usable = np.zeros(rows * columns, np.uint8)
-    for i in range(rows):
-        for j in range(columns):
-            now, was = raw[i * step, j * step], then[i * step, j * step]
-            if (
-                min(now[0], now[1], now[2]) > 8
-                and max(now[0], now[1], now[2]) < 250
-                and min(was[0], was[1], was[2]) > 4
-            ):
-                k = i * columns + j
-                usable[k] = 2 if alive[i * step, j * step] < 0.3 else 1
-                for c in range(3):
-                    ratio[k, c] = was[c] / now[c]
-    return ratio, usable
+    ratio = np.empty((3, rows * columns), np.float32)
+    n = 0
+    for i in range(0, raw.shape[0], step):
+        for j in range(0, raw.shape[1], step):
+            b, g, r = raw[i, j, 0], raw[i, j, 1], raw[i, j, 2]
+            if alive[i, j] < calm and min(b, g, r) > 8 and max(b, g, r) < 250:
+                was = then[i, j]
+                if min(was[0], was[1], was[2]) > 4:
+                    ratio[0, n], ratio[1, n], ratio[2, n] = was[0] / b, was[1] / g, was[2] / r
+                    n += 1
+    return ratio[:, :n]
 
 
-def is_cut(pixels: np.ndarray, scene: Scene) -> bool:
+def is_cut(colours: Chromaticity, scene: Scene) -> bool:
     """Whether this is a picture of something else: most of it differs from the frame before."""
-    luma = brightness(pixels)[::3, ::3]
-    difference = np.abs(luma - scene.luma[::3, ::3])
-    return np.count_nonzero(difference > 18.0 + 6.0 * scene.noise) > 0.5 * difference.size
+    return bool(_differing(colours.luma, scene.luma, np.float32(18.0 + 6.0 * scene.noise)) > 0.5)
 
 
-def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float, brighter: float = 1.0) -> tuple[Scene, np.ndarray]:
+@compiled
+def _differing(now, then, margin):
+    """The share of every third pixel that differs by more than the margin."""
+    n, rows, columns = 0, (now.shape[0] + 2) // 3, (now.shape[1] + 2) // 3
+    for i in range(0, now.shape[0], 3):
+        for j in range(0, now.shape[1], 3):
+            n += abs(now[i, j] - then[i, j]) > margin
+    return n / (rows * columns)
+
+
+def watch(colours: Chromaticity, scene: Scene, kernel: int, dt: float, brighter: float = 1.0) -> tuple[Scene, np.ndarray]:
     """The scene after ``dt`` s with its motion; and (h, w) float32, 0 to 1, how surely each pixel shows what always stood there.
 
     ``brighter`` is the factor by which the gains have grown since the frame before: noise grows with them.
     """
-    luma = brightness(pixels)
+    luma = colours.luma
     some = np.abs(luma[::6, ::6] - scene.luma[::6, ::6]).ravel()
     level = float(np.partition(some, len(some) // 2)[len(some) // 2]) * 1.5
     noise = max(1.0, brighter) * scene.noise
@@ -102,12 +100,13 @@ def watch(pixels: np.ndarray, scene: Scene, kernel: int, dt: float, brighter: fl
     # Beyond all of the neighbourhood then: an edge under a trembling camera is not motion.
     highest, lowest = cv2.dilate(scene.luma, _NEIGHBOURS), cv2.erode(scene.luma, _NEIGHBOURS)
     moved = _beyond(luma, lowest, highest, np.float32(3.0 + 2.5 * noise))
-    # A lone noisy pixel is not motion: a third of the 3x3 neighbours must agree.
-    moved *= cv2.blur(moved, (3, 3)) > 0.3
+    moved = _together(moved, cv2.blur(moved, (3, 3)))
     near = cv2.blur(moved, (kernel, kernel))
     fade, forget = np.float32(0.5 ** (dt / MOTION_HALF_LIFE)), np.float32(0.5 ** (dt / ALIVE_HALF_LIFE))
-    motion, alive, stood = _remember(moved, near, scene.motion, scene.alive, scene.sure, fade, forget)
-    _keep_same(stood, pixels, scene.pixels, luma, np.float32(5.0 + 4.0 * noise))
+    margin = np.float32(5.0 + 4.0 * noise)
+    motion, alive, stood = _remember(
+        moved, near, scene.motion, scene.alive, scene.sure, fade, forget, colours.pixels, scene.pixels, luma, margin
+    )
     return Scene(scene.pixels, scene.sure, scene.luma, motion, alive, noise), stood
 
 
@@ -121,13 +120,24 @@ def _beyond(luma, lowest, highest, margin):
 
 
 @compiled
-def _remember(moved, near, motion, alive, sure, fade, forget):
+def _together(moved, share):
+    """What moved without lone noisy pixels: a third of the 3x3 neighbours must agree."""
+    out = np.empty_like(moved)
+    for i in range(moved.shape[0]):
+        for j in range(moved.shape[1]):
+            out[i, j] = moved[i, j] if share[i, j] > 0.3 else np.float32(0.0)
+    return out
+
+
+@compiled
+def _remember(moved, near, motion, alive, sure, fade, forget, pixels, then, luma, margin):
     new_motion, new_alive, stood = np.empty_like(motion), np.empty_like(alive), np.empty_like(sure)
     for i in range(moved.shape[0]):
         for j in range(moved.shape[1]):
             new_motion[i, j] = max(motion[i, j] * fade, moved[i, j])
             new_alive[i, j] = max(alive[i, j] * forget, min(near[i, j] * np.float32(6.0), np.float32(1.0)))
-            stood[i, j] = sure[i, j]
+            known = sure[i, j] > 0.0 and _is_same(pixels[i, j], then[i, j], luma[i, j], margin)
+            stood[i, j] = sure[i, j] if known else np.float32(0.0)
     return new_motion, new_alive, stood
 
 
@@ -138,32 +148,24 @@ def _is_same(now, then, luma, margin):
     return away < margin + np.float32(0.04) * luma
 
 
-@compiled
-def _keep_same(stood, pixels, then, luma, margin):
-    for i in range(luma.shape[0]):
-        for j in range(luma.shape[1]):
-            if not _is_same(pixels[i, j], then[i, j], luma[i, j], margin):
-                stood[i, j] = 0.0
-
-
 def forget(scene: Scene, where: np.ndarray) -> Scene:
     """The scene of which nothing is known ``where`` (h, w) is not zero: what stood there has come alive."""
     return replace(scene, sure=scene.sure * (where == 0))
 
 
-def settle(scene: Scene, pixels: np.ndarray, person: np.ndarray, dt: float) -> Scene:
+def settle(scene: Scene, colours: Chromaticity, person: np.ndarray, dt: float) -> Scene:
     """The scene after ``dt`` s in which pixels outside ``person`` (h, w) bool that did not change became surer background."""
     picture, sure = _settle(
         scene.pixels,
         scene.sure,
         scene.luma,
         scene.motion,
-        pixels,
+        colours.pixels,
         person,
         np.float32(5.0 + 4.0 * scene.noise),
         np.float32(dt),
     )
-    return Scene(picture, sure, brightness(pixels), scene.motion, scene.alive, scene.noise)
+    return Scene(picture, sure, colours.luma, scene.motion, scene.alive, scene.noise)
 
 
 @compiled

@@ -50,7 +50,7 @@ def textured(seed=0):
 
 def test_a_change_of_light_is_read_off_the_still_scene_even_behind_a_person():
     room = textured()
-    still = scene.new_scene(room.astype(np.float32))
+    still = scene.new_scene(chromaticity(room))
     lit = np.clip(np.rint(room * np.array([0.7, 0.9, 1.15])), 0, 255).astype(np.uint8)
     lit[20:80, 60:110] = (30, 60, 200)
     gains = scene.light_change(lit, still, np.ones(3))
@@ -58,24 +58,25 @@ def test_a_change_of_light_is_read_off_the_still_scene_even_behind_a_person():
 
 
 def test_another_view_is_no_change_of_light():
-    still = scene.new_scene(textured().astype(np.float32))
+    still = scene.new_scene(chromaticity(textured()))
     before = np.array([1.1, 1.0, 0.9])
     other = np.kron(np.random.default_rng(1).choice([12, 30, 80, 245], (12, 16)), np.ones((10, 10))).astype(np.uint8)
     other = np.repeat(other[:, :, None], 3, axis=2)
     assert (scene.light_change(other, still, before) == before).all()
-    assert scene.is_cut(other.astype(np.float32), still)
-    assert not scene.is_cut(textured().astype(np.float32), still)
+    assert scene.is_cut(chromaticity(other), still)
+    assert not scene.is_cut(chromaticity(textured()), still)
 
 
 def test_what_stays_becomes_background_and_what_moves_does_not():
-    room = textured().astype(np.float32)
-    still = scene.new_scene(room)
+    room = textured()
+    still = scene.new_scene(chromaticity(room))
     for k in range(40):
         now = room.copy()
         x = 20 + 2 * (k % 30)
-        now[50:62, x : x + 12] = 250.0
-        still, stood = scene.watch(now, still, 11, 0.04)
-        still = scene.settle(still, now, np.zeros(room.shape[:2], bool), 0.04)
+        now[50:62, x : x + 12] = 250
+        colours = chromaticity(now)
+        still, stood = scene.watch(colours, still, 11, 0.04)
+        still = scene.settle(still, colours, np.zeros(room.shape[:2], bool), 0.04)
     assert still.sure[10:30, 10:150].min() == 1.0 and stood[10:30, 10:150].min() == 1.0
     assert stood[52:60, x + 2 : x + 10].max() < 0.5
     assert still.motion[52:60, x + 4 : x + 12].max() > 0.5 and still.alive[55, 40] > 0.4

@@ -96,5 +96,5 @@ def test_a_patch_of_which_much_moves_is_alive_as_a_whole_and_a_wall_behind_a_han
     colours = chromaticity(image)
     alive = np.zeros((120, 160), np.float32)
     alive[40:60, 20:50] = alive[40:60, 80:110] = 1.0
-    awake = stirring(colours, replace(new_scene(colours.pixels), alive=alive))
+    awake = stirring(colours, replace(new_scene(colours), alive=alive))
     assert awake[42:78, 22:48].all() and not awake[:, 70:].any()
