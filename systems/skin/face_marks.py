@@ -21,19 +21,23 @@ _DARKER = (
 )  # fmt: skip
 
 
-def _operator() -> tuple[np.ndarray, np.ndarray]:
+def _comparisons() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Cells of the patch that the comparisons take, by how much, where each comparison begins and ends among them, and its weight."""
     means = {}
     for name, (r0, r1, c0, c1) in _CELLS.items():
         m = np.zeros((HEIGHT, WIDTH))
         m[r0:r1, c0:c1] = 1.0 / ((r1 - r0) * (c1 - c0))
         means[name] = m.ravel()
+    rows = [(means[light] - means[dark]).astype(np.float32) for dark, light, _ in _DARKER]
+    cells = [np.flatnonzero(row) for row in rows]
     weights = np.array([w for *_, w in _DARKER])
-    return np.array([means[light] - means[dark] for dark, light, _ in _DARKER], np.float32), (
-        weights / weights.sum()
-    ).astype(np.float32)
+    return (
+        np.concatenate(cells), np.concatenate([row[c] for row, c in zip(rows, cells, strict=True)]),
+        np.cumsum([0, *map(len, cells)]), (weights / weights.sum()).astype(np.float32),
+    )  # fmt: skip
 
 
-_CONTRAST, _WEIGHT = _operator()
+_COMPARISONS = _comparisons()
 
 
 _FRAMES = np.array(
@@ -46,21 +50,19 @@ def face_marks(luma: np.ndarray, cores: np.ndarray) -> np.ndarray:
 
     The core of a face is the disc between its cheeks; the face is about 1.25 times as high as wide.
     """
-    return np.array(
-        [min(_best_marks(luma, core, _FRAMES, _CONTRAST, _WEIGHT), 1.0) for core in np.asarray(cores, float)]
-    )
+    return np.array([min(_best_marks(luma, core, _FRAMES, *_COMPARISONS), 1.0) for core in np.asarray(cores, float)])
 
 
 @compiled
-def _best_marks(luma, core, frames, contrasts, weights):
+def _best_marks(luma, core, frames, cells, shares, begins, weights):
     best = 0.0
     for k in range(len(frames)):
-        best = max(best, _marks(luma, core, frames[k, 0], frames[k, 1], contrasts, weights))
+        best = max(best, _marks(luma, core, frames[k, 0], frames[k, 1], cells, shares, begins, weights))
     return best
 
 
 @compiled
-def _marks(luma, core, width, shift, contrasts, weights):
+def _marks(luma, core, width, shift, cells, shares, begins, weights):
     """0 to 1 for the patch that is ``width`` radii wide and ``shift`` radii below the core: which parts are darker, and the symmetry."""
     x, y, r = core
     half, tall = 0.5 * width * r, 0.625 * width * r
@@ -72,9 +74,12 @@ def _marks(luma, core, width, shift, contrasts, weights):
     patch -= patch.mean()
     variance = (patch**2).mean()
     spread = np.sqrt(variance) + 2.0
-    agreed = 0.0
+    agreed, flat = 0.0, patch.ravel()
     for k in range(len(weights)):
-        contrast = (contrasts[k] * patch.ravel()).sum() / spread
+        contrast = 0.0
+        for c in range(begins[k], begins[k + 1]):
+            contrast += shares[c] * flat[cells[c]]
+        contrast /= spread
         agreed += weights[k] * min(max(2.0 * contrast, -1.0), 1.0)
     symmetry = (patch * patch[:, ::-1]).mean() / spread**2
     return agreed * (0.3 + 0.7 * min(max(symmetry / 0.6, 0.0), 1.0))

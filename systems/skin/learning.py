@@ -3,9 +3,10 @@
 import cv2
 import numpy as np
 
+from vipr.systems.compiled import compiled
 from vipr.systems.signals import HandTracks
 from vipr.systems.skin import colour_model, scene
-from vipr.systems.skin.chromaticity import Chromaticity, histogram, lookup
+from vipr.systems.skin.chromaticity import G_BINS, R_BINS, Chromaticity, histogram, lookup
 from vipr.systems.skin.classifier import DARKEST
 from vipr.systems.skin.colour_model import doubt_table
 from vipr.systems.skin.regions import Found
@@ -68,9 +69,18 @@ def _like(face: np.ndarray) -> np.ndarray:
 
 def histogram_of_rest(colours: Chromaticity, outside: np.ndarray, still: Scene) -> np.ndarray:
     """Histogram of what is not the person: what could be skin by its colour counts as far as it is known to stand still."""
-    return histogram(
-        colours.index, np.where(outside, 1.0 - lookup(doubt_table(), colours.index) * (1.0 - still.sure), 0.0)
-    )
+    return _count_rest(colours.index, outside, doubt_table(), still.sure)
+
+
+@compiled
+def _count_rest(index, outside, doubt, sure):
+    out = np.zeros((R_BINS, G_BINS), np.float32)
+    for i in range(index.shape[0]):
+        for j in range(index.shape[1]):
+            r, g = index[i, j] >> 8, index[i, j] & 255
+            if outside[i, j] and 0 < r < R_BINS - 1 and 0 < g < G_BINS - 1:
+                out[r, g] += np.float32(1.0) - doubt[r, g] * (np.float32(1.0) - sure[i, j])
+    return out
 
 
 def _person_pixels(labels: np.ndarray, person: np.ndarray) -> np.ndarray:

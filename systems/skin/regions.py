@@ -65,13 +65,24 @@ def _sums(labels, skin, alive, sure, motion, n):
 
 def find_cores(labels: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     """(n, 3) x, y, radius of the largest disc inside each region once its holes (eyes, mouth) are filled."""
-    contours, _ = cv2.findContours((labels > 0).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    filled = np.zeros((labels.shape[0] + 2, labels.shape[1] + 2), np.uint8)
+    if not len(boxes):
+        return np.zeros((0, 3))
+    (x0, y0), (x1, y1) = boxes[:, :2].min(0).astype(int), (boxes[:, :2] + boxes[:, 2:]).max(0).astype(int)
+    part = labels[y0:y1, x0:x1]
+    contours, _ = cv2.findContours(np.minimum(part, 1), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    filled = np.zeros((part.shape[0] + 2, part.shape[1] + 2), np.uint8)
     cv2.drawContours(filled, contours, -1, 255, cv2.FILLED, offset=(1, 1))
     inside = cv2.distanceTransform(filled, cv2.DIST_L2, 3)[1:-1, 1:-1]
-    cores = np.zeros((len(boxes), 3))
-    for i, (x, y, w, h) in enumerate(boxes.astype(int)):
-        part = np.where(labels[y : y + h, x : x + w] == i + 1, inside[y : y + h, x : x + w], 0.0)
-        _, radius, _, (px, py) = cv2.minMaxLoc(part)
-        cores[i] = x + px, y + py, radius
+    return _deepest(part, inside, len(boxes)) + (x0, y0, 0.0)
+
+
+@compiled
+def _deepest(labels, inside, n):
+    """(n, 3) x, y and depth of the first deepest pixel of each region."""
+    cores = np.zeros((n, 3))
+    for y in range(labels.shape[0]):
+        for x in range(labels.shape[1]):
+            k = int(labels[y, x]) - 1
+            if k >= 0 and inside[y, x] > cores[k, 2]:
+                cores[k, 0], cores[k, 1], cores[k, 2] = x, y, inside[y, x]
     return cores

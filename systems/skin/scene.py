@@ -87,7 +87,9 @@ def _differing(now, then, margin):
     return n / (rows * columns)
 
 
-def watch(colours: Chromaticity, scene: Scene, kernel: int, dt: float, brighter: float = 1.0) -> tuple[Scene, np.ndarray]:
+def watch(
+    colours: Chromaticity, scene: Scene, kernel: int, dt: float, brighter: float = 1.0
+) -> tuple[Scene, np.ndarray]:
     """The scene after ``dt`` s with its motion; and (h, w) float32, 0 to 1, how surely each pixel shows what always stood there.
 
     ``brighter`` is the factor by which the gains have grown since the frame before: noise grows with them.
@@ -131,21 +133,32 @@ def _together(moved, share):
 
 @compiled
 def _remember(moved, near, motion, alive, sure, fade, forget, pixels, then, luma, margin):
-    new_motion, new_alive, stood = np.empty_like(motion), np.empty_like(alive), np.empty_like(sure)
-    for i in range(moved.shape[0]):
-        for j in range(moved.shape[1]):
-            new_motion[i, j] = max(motion[i, j] * fade, moved[i, j])
-            new_alive[i, j] = max(alive[i, j] * forget, min(near[i, j] * np.float32(6.0), np.float32(1.0)))
-            known = sure[i, j] > 0.0 and _is_same(pixels[i, j], then[i, j], luma[i, j], margin)
-            stood[i, j] = sure[i, j] if known else np.float32(0.0)
-    return new_motion, new_alive, stood
+    n, one = moved.size, np.float32(1.0)
+    moved_, near_, motion_, alive_ = moved.reshape(n), near.reshape(n), motion.reshape(n), alive.reshape(n)
+    new_motion, new_alive = np.empty(n, np.float32), np.empty(n, np.float32)
+    for k in range(n):
+        before, now = motion_[k] * fade, moved_[k]
+        new_motion[k] = before if before > now else now
+        before, now = alive_[k] * forget, near_[k] * np.float32(6.0)
+        now = now if now < one else one
+        new_alive[k] = before if before > now else now
+    stood = _same(pixels, then, luma, margin) * sure
+    return new_motion.reshape(moved.shape), new_alive.reshape(moved.shape), stood
 
 
 @compiled
-def _is_same(now, then, luma, margin):
-    """Whether no channel differs by more than noise and a little of the brightness."""
-    away = max(abs(now[0] - then[0]), abs(now[1] - then[1]), abs(now[2] - then[2]))
-    return away < margin + np.float32(0.04) * luma
+def _same(pixels, then, luma, margin):
+    """(h, w) float32, 1 where no channel differs by more than noise and a little of the brightness, else 0."""
+    n = luma.size
+    now, was, bright = pixels.reshape(3 * n), then.reshape(3 * n), luma.reshape(n)
+    same = np.empty(n, np.float32)
+    for k in range(n):
+        away = abs(now[3 * k] - was[3 * k])
+        green, red = abs(now[3 * k + 1] - was[3 * k + 1]), abs(now[3 * k + 2] - was[3 * k + 2])
+        away = away if away > green else green
+        away = away if away > red else red
+        same[k] = np.float32(1.0) if away < margin + np.float32(0.04) * bright[k] else np.float32(0.0)
+    return same.reshape(luma.shape)
 
 
 def forget(scene: Scene, where: np.ndarray) -> Scene:
@@ -155,32 +168,33 @@ def forget(scene: Scene, where: np.ndarray) -> Scene:
 
 def settle(scene: Scene, colours: Chromaticity, person: np.ndarray, dt: float) -> Scene:
     """The scene after ``dt`` s in which pixels outside ``person`` (h, w) bool that did not change became surer background."""
+    margin = np.float32(5.0 + 4.0 * scene.noise)
     picture, sure = _settle(
-        scene.pixels,
-        scene.sure,
-        scene.luma,
-        scene.motion,
-        colours.pixels,
-        person,
-        np.float32(5.0 + 4.0 * scene.noise),
-        np.float32(dt),
+        scene.pixels, scene.sure, scene.luma, scene.motion, colours.pixels, person, margin, np.float32(dt)
     )
     return Scene(picture, sure, colours.luma, scene.motion, scene.alive, scene.noise)
 
 
 @compiled
 def _settle(then, sure, luma, motion, pixels, person, margin, dt):
-    picture, surer = np.empty_like(then), np.empty_like(sure)
-    for i in range(sure.shape[0]):
-        for j in range(sure.shape[1]):
-            same = _is_same(pixels[i, j], then[i, j], luma[i, j], margin)
-            step = dt / SETTLE if same else -dt / FORGET
-            if person[i, j] or motion[i, j] > 0.25:
-                step = -dt / (8 * FORGET)
-            surer[i, j] = min(max(sure[i, j] + step, 0.0), 1.0)
-            rate = min(1.0, 1.5 * dt) if same else 0.0
-            if surer[i, j] <= 0.0:
-                rate = 1.0
-            for c in range(3):
-                picture[i, j, c] = then[i, j, c] + rate * (pixels[i, j, c] - then[i, j, c])
-    return picture, surer
+    n, zero, one = sure.size, np.float32(0.0), np.float32(1.0)
+    same = _same(pixels, then, luma, margin).reshape(n)
+    sure_, motion_, person_, was, now = (
+        sure.reshape(n),
+        motion.reshape(n),
+        person.reshape(n),
+        then.reshape(3 * n),
+        pixels.reshape(3 * n),
+    )
+    picture, surer, rate = np.empty(3 * n, np.float32), np.empty(n, np.float32), np.empty(n, np.float32)
+    settled, changed, covered = dt / SETTLE, -dt / FORGET, -dt / (8 * FORGET)
+    keep = min(1.0, 1.5 * dt)
+    for k in range(n):
+        step = settled if same[k] > zero else changed
+        step = covered if person_[k] or motion_[k] > np.float32(0.25) else step
+        surer[k] = min(max(sure_[k] + step, 0.0), 1.0)
+        rate[k] = one if surer[k] <= zero else keep if same[k] > zero else zero
+    for k in range(n):
+        for c in range(3 * k, 3 * k + 3):
+            picture[c] = was[c] + rate[k] * (now[c] - was[c])
+    return picture.reshape(then.shape), surer.reshape(sure.shape)
