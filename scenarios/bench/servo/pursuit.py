@@ -4,14 +4,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
-from vipr.scenarios.align import Follow
+from vipr.scenarios.align import FollowSettings
 from vipr.scenarios.bench.servo.rendered import SERVOS, most_used
 from vipr.scenarios.bench.servo.trial import Bench
 from vipr.scenarios.bench.tables import Table
-from vipr.scenarios.run import run_scenario
-from vipr.scenarios.settings import load_settings
+from vipr.scenarios.runs import run_many
 
 FIGURES = (  # the worst run of each
     "following_translation_rms_mm",
@@ -24,21 +21,18 @@ FIGURES = (  # the worst run of each
 
 
 def run(bench: Bench) -> Iterator[Table]:
-    seeds, rows = bench.seeds(3, 1), []
-    for servo in SERVOS:
-        settings = load_settings(Follow.settings_type, Follow.settings_file(), [f"servo={servo}"])
-        summaries = []
-        for seed in seeds:
-            bench.progress(f"follow: {servo}, seed {seed}")
-            with TemporaryDirectory() as folder:
-                summaries.append(run_scenario(Follow(settings, seed), Path(folder) / "run", video=False))
+    seeds, asked, rows = bench.seeds(3, 1), FollowSettings(), []
+    bench.progress(f"follow: {', '.join(SERVOS)}, seeds {seeds[0]} to {seeds[-1]}")
+    with TemporaryDirectory() as folder:
+        found = run_many("follow", [([f"servo={servo}"], Path(folder) / servo) for servo in SERVOS], seeds)
+    for servo, summaries in zip(SERVOS, found, strict=True):
         figures = [summary["figures"] for summary in summaries]
-        worst = [float(np.max([f[name] for f in figures])) for name in FIGURES]
         done = sum(bool(summary["success"]) for summary in summaries)
+        worst = (max(float(f[name]) for f in figures) for name in FIGURES)
         rows.append((servo, f"{done} of {len(figures)}", *worst, most_used(figures)))
     yield Table(
-        f"Following an object at {settings.object_speed_m_s:g} m/s and {settings.object_turn_deg_s:g} deg/s (follow), seeds "
-        f"{seeds[0]} to {seeds[-1]}, pictures, tracker, dynamics",
+        f"Following an object at {asked.object_speed_m_s:g} m/s and {asked.object_turn_deg_s:g} deg/s (follow), seeds {seeds[0]} to "
+        f"{seeds[-1]}, pictures, tracker, dynamics",
         ("servo", "done", "RMS mm", "largest mm", "RMS deg", "largest deg", "final mm", "final deg", "limits used %"),
         rows,
         note="Worst of the seeds; RMS and largest while the object moves, final: largest of the last 0.5 s. limits used: most of any joint "
