@@ -1,4 +1,4 @@
-"""``vipr bench arm``: clearance against the distances of the real model, limits under wild twists, and what both cost."""
+"""``vipr bench arm``: clearance against the distances of the real model, limits under wild twists, stopping, and what it costs."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from vipr.diagrams.workcell import JOINT_LIMITS, collision_guard, obstacles, puma_with_hand
+from vipr.scenarios.bench.arm_stop import stopping
 from vipr.scenarios.bench.model_distances import ModelDistances
 from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.systems.arm import puma560
@@ -27,8 +28,8 @@ def run(
     progress: Callable[[str], None] = lambda text: None,
     seed: int = 1,
 ) -> Iterator[Table]:
-    """Tables of the parts ``clearance``, ``limits``, ``time``."""
-    parts = {"clearance": _clearance, "limits": _limits, "time": _time}
+    """Tables of the parts ``clearance``, ``limits``, ``stopping``, ``time``."""
+    parts = {"clearance": _clearance, "limits": _limits, "stopping": _stopping, "time": _time}
     for part in chosen_parts("arm", only, parts):
         progress(f"bench arm: {part}")
         yield parts[part](quick, seed)
@@ -84,6 +85,10 @@ def _limits(quick: bool, seed: int) -> Table:
         table.rows.append((f"largest use of a joint's {name} limit, %", 100.0 * value))
     table.rows.append(("least distance in Drake's model, mm", 1e3 * least))
     return table
+
+
+def _stopping(quick: bool, seed: int) -> Table:
+    return stopping(2 if quick else 10, seed)
 
 
 def _time(quick: bool, seed: int) -> Table:

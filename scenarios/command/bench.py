@@ -25,8 +25,8 @@ TABLES = {
         "likelihoods, speed, handwriting, phases",
     ),
     "arm": (
-        "The arm: clearance against the real model's distances, limits under wild twists, time.",
-        "clearance, limits, time",
+        "The arm: clearance against the real model's distances, limits under wild twists, stopping, time.",
+        "clearance, limits, stopping, time",
     ),
     "calibration": (
         "vipr calibrate over many seeds: errors against truth beside the standard errors that it tells.",
