@@ -42,6 +42,7 @@ class PlaceSettings(ServoingSettings):
     duration_s: float = 8.0
     place: int = 1  # number of the shown place
     shown: str = ""  # file of ``vipr teach``; empty: the place is shown before the run
+    by_picture: bool = True  # the tracker knows the picture of the shown place
     grip_m: float = 0.03  # the hand's grasp centre is so far below the object's top; more, and the palm hides its edges
     start_offset_m: float = 0.10
     start_turn_deg: float = 45.0  # turn about the camera's y axis at the start
@@ -173,6 +174,8 @@ class PlaceByShowing(ServoScenario):
         return replace(shown, picture=np.round(np.mean(pictures, axis=0)).astype(np.uint8)) if pictures else shown
 
     def views(self):
+        if not self.settings.by_picture:
+            return ()
         self.taught = self.taught or self.show()
         return self.taught.views(self.lens)
 
