@@ -12,6 +12,7 @@ from vipr.scenarios.bench.tracking.workbench import Workbench
 
 PARTS = {
     "accuracy": "errors beside the Cramer-Rao bound",
+    "rounds": "printed can, mug and bottle from starts that are wrong",
     "fig11": "full turns and lateral motion, survived or not",
     "parts": "what is followed with each part of the method switched off",
     "handheld": "carried and shaken by hand before clutter",

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from vipr.scenarios.bench.tables import Table
-from vipr.scenarios.bench.tracking.workbench import BOXES, RATE, Frames, Workbench
+from vipr.scenarios.bench.tracking.workbench import BOXES, OFF, RATE, Frames, Workbench
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 
@@ -33,23 +33,34 @@ def run(bench: Workbench) -> Iterator[Table]:
     seeds, length = (range(2), 50) if bench.quick else (range(20), 75)
     table = Table(
         f"Hand-held: corners up to {SPEED:g} px a frame, exposure 20 ms, clutter, fingers before the object, {length} frames",
-        ("seed", "object", "followed", "corner px median / 90 % / max", "deg median / 90 % / max", "uncertain", "lost"),
+        (
+            "seed",
+            "object",
+            "followed",
+            "corner px median / 90 % / max",
+            "deg median / 90 % / max",
+            "uncertain",
+            "lost",
+            "off",
+        ),
+        note=f"off: frames said to be tracked whose corners are off by more than {OFF:g} px RMS.",
     )
-    survived, all_px, all_deg = 0, [], []
+    survived, off, all_px, all_deg = 0, 0, [], []
     for seed in seeds:
         name = BOXES[seed % 2]
         bench.progress(f"handheld: seed {seed + 1} of {len(seeds)}")
         result = bench.track(name, shaken(bench, name, seed, frames=length))
         survived += result.survived
+        off += int(result.off.sum())
         good = result.followed
         all_px += list(result.corner_px[good])
         all_deg += list(result.degrees[good])
         followed = "all" if result.survived else f"lost at {result.lost_at}"
         spread = [_spread(values[good]) for values in (result.corner_px, result.degrees)]
-        counts = int(result.states("uncertain").sum()), int(result.states("lost").sum())
+        counts = int(result.states("uncertain").sum()), int(result.states("lost").sum()), int(result.off.sum())
         table.rows.append((bench.seed + seed, name, followed, *spread, *counts))
     table.rows.append(
-        ("all", "", f"{survived} of {len(seeds)}", _spread(np.array(all_px)), _spread(np.array(all_deg)), "", "")
+        ("all", "", f"{survived} of {len(seeds)}", _spread(np.array(all_px)), _spread(np.array(all_deg)), "", "", off)
     )
     yield table
 

@@ -66,7 +66,7 @@ def forced_loss(bench: Workbench, kind: str, seed: int):
 
 
 def run(bench: Workbench) -> Iterator[Table]:
-    count = 3 if bench.quick else 12
+    count = 3 if bench.quick else 30
     table = Table(
         f"Forced losses: frames until the tracker no longer says `tracking`, {count} of each",
         (

@@ -25,7 +25,9 @@ XC77 = Lens(640, 480, 1948.05, 1923.08, 319.5, 239.5)
 BOXES = ("rice_box", "milk_carton")
 UNPRINTED = " (unprinted)"  # the same object in one colour: no print beside its edges; a can truly round
 OBJECTS = (*BOXES, *(name + UNPRINTED for name in (*BOXES, "can")))
+ROUNDS = ("can", "mug", "bottle")  # as they are printed
 RATE = 25.0  # images/s
+OFF = 5.0  # px RMS of the corners: a pose that is wrong, if not lost
 UPRIGHT = (
     se3.exp_so3(np.array([0.3, 0, 0])) @ se3.exp_so3(np.array([0, 0.6, 0])) @ se3.exp_so3(np.array([np.pi / 2, 0, 0]))
 )
@@ -80,6 +82,21 @@ class Run:
     def survived(self) -> bool:
         return self.lost_at is None
 
+    @property
+    def depth_told(self) -> np.ndarray:
+        """(F,) mm, standard deviation of the depth of the object's centre as the tracker told it."""
+        rows = []
+        for b in self.beliefs:
+            x, y, _ = b.X_CO[:3, :3] @ self.model.centre
+            row = np.array([y, -x, 0.0, 0.0, 0.0, 1.0])  # depth of the centre by (w, v)
+            rows.append(1e3 * np.sqrt(row @ b.covariance @ row))
+        return np.array(rows)
+
+    @property
+    def off(self) -> np.ndarray:
+        """(F,) whether the pose was said to be tracked while its corners were off by more than OFF px RMS."""
+        return self.states("tracking") & ~(self.corner_px <= OFF)
+
     def states(self, state: str) -> np.ndarray:
         """(F,) whether that state was reported."""
         return np.array([b.state == state for b in self.beliefs])
@@ -118,7 +135,7 @@ class Workbench:
     def _renderer(self, background: str, lens: Lens) -> SequenceRenderer:
         with tempfile.TemporaryDirectory() as folder:
             objects = {}
-            for name in OBJECTS:
+            for name in (*OBJECTS, *ROUNDS):
                 objects[name] = _folder() / name / "visual.obj"
                 if name.endswith(UNPRINTED):
                     model = self.model(name)
@@ -141,15 +158,22 @@ class Workbench:
         return se3.pose(turn, np.asarray(place) - turn @ self.model(name).centre)
 
     def track(
-        self, name: str, frames: Iterable, settings: TrackerSettings | None = None, *, lens=None, count=True
+        self,
+        name: str,
+        frames: Iterable,
+        settings: TrackerSettings | None = None,
+        *,
+        lens=None,
+        count=True,
+        X_CO_start: np.ndarray | None = None,
     ) -> Run:
-        """Run the tracker over frames from the true pose of the first."""
+        """Run the tracker over frames from the true pose of the first, or from the one given."""
         model, lens = self.model(name), lens or self.lens
         settings = settings or TrackerSettings()
         run, belief = Run(model, lens), None
         for frame, X_CO in frames:
             if belief is None:
-                belief = start(X_CO, frame.time)
+                belief = start(X_CO if X_CO_start is None else X_CO_start, frame.time)
             begin = time.process_time()
             belief = step(belief, frame.image, frame.time, model, lens, settings, number=frame.number)
             run.ms.append(1e3 * (time.process_time() - begin))
@@ -157,7 +181,7 @@ class Workbench:
             run.beliefs.append(belief)
             run.arrived.append(frame.arrived)
         if count and settings == TrackerSettings():
-            good = run.followed & (run.corner_px < 5.0) & np.array(run.arrived) & (np.arange(len(run.truth)) > 1)
+            good = run.followed & (run.corner_px < OFF) & np.array(run.arrived) & (np.arange(len(run.truth)) > 1)
             self.good_frames[0] += int(good.sum())
             self.good_frames[1] += int((good & run.states("uncertain")).sum())
             self.good_frames[2] += int((good & run.states("lost")).sum())

@@ -1,13 +1,14 @@
 """The tracking benchmark: its verdicts are right, whatever the tracker does."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from vipr.scenarios.bench import tracking
 from vipr.scenarios.bench.tables import Table, print_json, print_tables
-from vipr.scenarios.bench.tracking import accuracy, loss, parts
+from vipr.scenarios.bench.tracking import accuracy, loss, parts, rounds
 from vipr.scenarios.bench.tracking.workbench import Run, Workbench, without_spin
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
@@ -46,6 +47,33 @@ def test_spin_of_a_can_is_no_error_but_its_tilt_is(bench):
     np.testing.assert_allclose(run.corner_px[0], 0, atol=1e-6)
     assert 1.0 < run.degrees[1] < np.degrees(0.05) + 1e-9
     np.testing.assert_array_equal(without_spin(bench.model("rice_box"), spun, X), spun)
+
+
+def test_a_pose_that_is_off_counts_only_where_it_is_said_to_be_tracked(bench):
+    X = bench.at("rice_box")
+    aside = trajectories.displaced(X, np.zeros(3), [0.01, 0, 0])  # 10 px
+    run = run_of(bench, "rice_box", [X, aside, aside], [X, X, X])
+    run.beliefs[:2] = [replace(b, state="tracking") for b in run.beliefs[:2]]
+    assert run.off.tolist() == [False, True, False]
+
+
+def test_depth_told_is_that_of_the_centre(bench):
+    X = bench.at("rice_box")
+    run = run_of(bench, "rice_box", [X], [X])
+    x, y, _ = X[:3, :3] @ bench.model("rice_box").centre
+    variance = run.beliefs[0].covariance.diagonal()
+    np.testing.assert_allclose(run.depth_told, 1e3 * np.sqrt(variance[5] + variance[0] * y**2 + variance[1] * x**2))
+
+
+def test_starts_of_round_objects_are_wrong_by_what_is_said(bench):
+    rng, centre = np.random.default_rng(1), bench.model("mug").centre
+    turn, place = rounds.standing(rng)
+    X = bench.at("mug", turn=turn, place=place)
+    X_wrong = rounds.wrong(X, centre, rng)
+    off = (X_wrong - X)[:3, :3] @ centre + (X_wrong - X)[:3, 3]
+    np.testing.assert_allclose(1e3 * np.linalg.norm(off), rounds.WRONG_MM)
+    np.testing.assert_allclose(np.degrees(se3.angle_between(X_wrong, X)), rounds.WRONG_DEG)
+    assert 5 < np.degrees(np.arcsin(-X[2, 2])) < 41  # the axis, seen from above, leans towards the camera
 
 
 def test_bound_shrinks_with_the_noise_and_has_no_spin(bench):
@@ -88,7 +116,7 @@ def test_tables_print_as_text_and_as_json(capsys):
 
 
 def test_unknown_part_and_missing_data_are_said_clearly(tmp_path):
-    with pytest.raises(InputError, match="allowed are accuracy, fig11"):
+    with pytest.raises(InputError, match="allowed are accuracy, rounds"):
         list(tracking.run(only=["speed"]))
     with pytest.raises(InputError, match="need --data DIR"):
         list(tracking.run(only=["recordings"]))
