@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 
+from vipr.systems.compiled import compiled
 from vipr.systems.hands import kalman
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.parts import HEAD, SIGMA_N, Track, in_neck
@@ -98,11 +99,20 @@ def _on_faces(regions: list, names: list[str], tracks: dict, found: list[Candida
 
 def _gap(r: Candidate, labels: np.ndarray, x: float, y: float, most: float) -> float:
     """Distance [px] of a point from a region, 0 inside; that from its box where it is more than ``most``."""
-    dx = max(r.box[0] - x, 0.0, x - r.box[0] - r.box[2])
-    dy = max(r.box[1] - y, 0.0, y - r.box[1] - r.box[3])
-    gap = math.hypot(dx, dy)
+    x0, y0, w, h = r.box.tolist()
+    gap = math.hypot(max(x0 - x, 0.0, x - x0 - w), max(y0 - y, 0.0, y - y0 - h))
     if gap > most or labels[int(y + 0.5), int(x + 0.5)] == r.row + 1:
         return gap
-    x0, y0, w, h = r.box.astype(int)
-    rows, columns = np.nonzero(labels[y0 : y0 + h + 1, x0 : x0 + w + 1] == r.row + 1)
-    return float(np.sqrt(((columns + x0 - x) ** 2 + (rows + y0 - y) ** 2).min())) if len(rows) else gap
+    away2 = _nearest2(labels[int(y0) : int(y0 + h) + 1, int(x0) : int(x0 + w) + 1], r.row + 1, x - int(x0), y - int(y0))
+    return math.sqrt(away2) if away2 < math.inf else gap
+
+
+@compiled
+def _nearest2(labels, label, x, y):
+    """Squared distance of the nearest pixel with a label from x, y; infinite if there is none."""
+    nearest = np.inf
+    for i in range(labels.shape[0]):
+        for j in range(labels.shape[1]):
+            if labels[i, j] == label:
+                nearest = min(nearest, (j - x) ** 2 + (i - y) ** 2)
+    return nearest

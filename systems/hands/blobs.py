@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vipr.systems.compiled import compiled
+
 ARM_SLENDERNESS = 3.0  # length over width from which a region is an arm with a hand at one end
 HAND_LENGTH_IN_WIDTHS = 2.3  # a hand is about this much longer than its arm is wide
 # In heights of the head (Drillis and Contini's proportions of the body):
@@ -14,16 +16,42 @@ HAND_IN_FACES = 0.75  # area of the largest usual hand over that of the face; mo
 
 def pixels_of(labels: np.ndarray, row: int) -> np.ndarray:
     """(n, 2) float x, y of the pixels of region ``row``."""
-    y, x = np.divmod(np.flatnonzero(labels == row + 1), labels.shape[1])
-    return np.column_stack([x, y]).astype(float)
+    return _pixels(labels, row + 1)
+
+
+@compiled
+def _pixels(labels, label):
+    n = 0
+    for y in range(labels.shape[0]):
+        for x in range(labels.shape[1]):
+            n += labels[y, x] == label
+    out = np.empty((n, 2))
+    n = 0
+    for y in range(labels.shape[0]):
+        for x in range(labels.shape[1]):
+            if labels[y, x] == label:
+                out[n, 0], out[n, 1] = x, y
+                n += 1
+    return out
 
 
 def ends(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     """The two ends (2,) of a blob p (n, 2), its length and its mean width [px]."""
-    a = p[np.argmax(((p - p.mean(0)) ** 2).sum(1))]
-    b = p[np.argmax(((p - a) ** 2).sum(1))]
+    a = p[_farthest(p, *p.mean(0))]
+    b = p[_farthest(p, *a)]
     length = float(np.hypot(*(a - b))) + 1.0
     return a, b, length, len(p) / length
+
+
+@compiled
+def _farthest(p, x, y):
+    """Index of the first of the points p (n, 2) that are farthest from x, y."""
+    best, most = 0, -1.0
+    for k in range(len(p)):
+        away = (p[k, 0] - x) ** 2 + (p[k, 1] - y) ** 2
+        if away > most:
+            best, most = k, away
+    return best
 
 
 @dataclass(frozen=True)

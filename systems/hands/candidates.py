@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vipr.systems.compiled import compiled
 from vipr.systems.signals import SkinRegions
 
 SMALL = 0.4  # of the widest region of the person: a head is not so much narrower than a hand
@@ -48,11 +49,12 @@ def candidates(regions: SkinRegions, tracks: dict) -> list[Candidate]:
     head -= 0.25 * _slender(areas, boxes, cores[:, 2])
     head -= 0.3 * (cores[:, 2] < SMALL * max(cores[person > 0.5, 2], default=0.0))
     # What clearly looks like a face may come in over the border.
-    doubt = np.clip(0.9 - 1.5 * regions.faceness[rows], 0.0, 0.3)
+    doubt = np.minimum(np.maximum(0.9 - 1.5 * regions.faceness[rows], 0.0), 0.3)
+    head -= doubt * _enters(regions.labels, rows, cores)
     return [
         Candidate(
-            i, centres[k], float(areas[k]), boxes[k], cores[k], float(person[k]),
-            float(head[k] - doubt[k] * _enters(regions.labels, i, cores[k])), moving=float(regions.moving[i]),
+            i, centres[k], float(areas[k]), boxes[k], cores[k], float(person[k]), float(head[k]),
+            moving=float(regions.moving[i]),
         )
         for k, i in enumerate(rows)
     ]  # fmt: skip
@@ -65,14 +67,27 @@ def _slender(areas: np.ndarray, boxes: np.ndarray, radii: np.ndarray) -> np.ndar
     """
     length, width = np.hypot(boxes[:, 2], boxes[:, 3]), 2.0 * np.maximum(radii, 1.0)
     filled = areas / (length * width)
-    return np.clip((length / width - 3.4) / 0.8, 0.0, 1.0) * np.clip(
-        np.minimum(12.5 * (filled - 0.4), 2.6 - 1.6 * filled), 0.0, 1.0
-    )
+    slenderness = (length / width - 3.4) / 0.8
+    as_arms_fill = np.minimum(12.5 * (filled - 0.4), 2.6 - 1.6 * filled)
+    return np.minimum(np.maximum(slenderness, 0.0), 1.0) * np.minimum(np.maximum(as_arms_fill, 0.0), 1.0)
 
 
-def _enters(labels: np.ndarray, row: int, core: np.ndarray) -> bool:
-    """Whether a region comes in over the border of the image as wide as an arm is for its hand; a head does not."""
-    edges = (labels[-1], labels[:, 0], labels[:, -1])  # heads are cut by the upper border often enough
-    contact = max(np.count_nonzero(edge == row + 1) for edge in edges)
-    away = min(core[0], labels.shape[1] - 1 - core[0], labels.shape[0] - 1 - core[1])
-    return bool(contact > 0.7 * core[2] and away > 1.5 * core[2])
+def _enters(labels: np.ndarray, rows: list[int], cores: np.ndarray) -> np.ndarray:
+    """(n,) whether regions come in over the border of the image as wide as an arm is for its hand; a head does not."""
+    contact = _contacts(labels)[rows]
+    h, w = labels.shape
+    away = np.minimum(np.minimum(cores[:, 0], w - 1 - cores[:, 0]), h - 1 - cores[:, 1])
+    return (contact > 0.7 * cores[:, 2]) & (away > 1.5 * cores[:, 2])
+
+
+@compiled
+def _contacts(labels):
+    """(255,) of each region: its pixels on the border of the image where it has most; heads are cut by the upper one often enough."""
+    h, w = labels.shape
+    n = np.zeros((256, 3), np.int64)
+    for x in range(w):
+        n[labels[h - 1, x], 0] += 1
+    for y in range(h):
+        n[labels[y, 0], 1] += 1
+        n[labels[y, w - 1], 2] += 1
+    return np.maximum(np.maximum(n[1:, 0], n[1:, 1]), n[1:, 2])
