@@ -1,4 +1,4 @@
-"""``vipr compile``: what the first use of the tracker and of the arm's guard would compile, now."""
+"""``vipr compile``: what the first use of the tracker, of the arm's guard and of seeing people would compile, now."""
 
 import time
 
@@ -11,11 +11,13 @@ def register(app: typer.Typer) -> None:
 
 
 def compile_() -> None:
-    """Compile the inner loops of tracker and arm ahead of their first use, once for this machine; `make setup` does it."""
+    """Compile the inner loops of tracker, arm and seeing people ahead of their first use, once for this machine; `make setup` does it."""
     from vipr.systems.arm.shapes import compile_gaps
+    from vipr.systems.hands.ahead_of_time import compile_people
     from vipr.systems.tracking.ahead_of_time import compile_tracker
 
     begin = time.perf_counter()
     compile_tracker()
     compile_gaps()
-    print(f"tracker and clearance are compiled ({time.perf_counter() - begin:.1f} s)")
+    compile_people()
+    print(f"tracker, clearance and the sight of people are compiled ({time.perf_counter() - begin:.1f} s)")

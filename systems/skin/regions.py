@@ -73,16 +73,16 @@ def find_cores(labels: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     filled = np.zeros((part.shape[0] + 2, part.shape[1] + 2), np.uint8)
     cv2.drawContours(filled, contours, -1, 255, cv2.FILLED, offset=(1, 1))
     inside = cv2.distanceTransform(filled, cv2.DIST_L2, 3)[1:-1, 1:-1]
-    return _deepest(part, inside, len(boxes)) + (x0, y0, 0.0)
+    return _deepest(labels, inside, x0, y0, len(boxes))
 
 
 @compiled
-def _deepest(labels, inside, n):
-    """(n, 3) x, y and depth of the first deepest pixel of each region."""
+def _deepest(labels, inside, x0, y0, n):
+    """(n, 3) x, y and depth of the first deepest pixel of each region; ``inside`` begins at x0, y0."""
     cores = np.zeros((n, 3))
-    for y in range(labels.shape[0]):
-        for x in range(labels.shape[1]):
-            k = int(labels[y, x]) - 1
+    for y in range(inside.shape[0]):
+        for x in range(inside.shape[1]):
+            k = int(labels[y0 + y, x0 + x]) - 1
             if k >= 0 and inside[y, x] > cores[k, 2]:
-                cores[k, 0], cores[k, 1], cores[k, 2] = x, y, inside[y, x]
+                cores[k, 0], cores[k, 1], cores[k, 2] = x0 + x, y0 + y, inside[y, x]
     return cores
