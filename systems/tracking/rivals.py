@@ -28,7 +28,8 @@ PROMISING = 0.75  # share of the best agreement so far below which a draw is giv
 APART = 0.5  # px RMS of the nodes between rivals
 KEPT = 8  # rivals
 ROUNDS = 3  # at most; each starts from the best of the one before
-BETTER = 0.03  # of closeness: a pose that fits clearly closer
+BETTER = 0.03  # of merit: a pose that is clearly to be preferred
+UNEXPECTED = 0.015  # of merit, lost for each unit of the squared Mahalanobis distance from what was expected
 
 
 def settle_on(sight: Sight, X_CO: np.ndarray, passes: int = 3) -> tuple[np.ndarray, Evidence]:
@@ -42,15 +43,23 @@ def settle_on(sight: Sight, X_CO: np.ndarray, passes: int = 3) -> tuple[np.ndarr
 
 
 def closest(sight: Sight, X_CO: np.ndarray) -> np.ndarray:
-    """The pose near X_CO whose edges fit most closely; X_CO itself unless others fit clearly closer."""
-    best, closeness = X_CO, settle_on(sight, X_CO)[1].closeness
+    """The pose near X_CO whose edges fit most closely; X_CO itself unless others are clearly better.
+
+    A line of print along an edge may fit as closely as the edge: what is farther from the pose expected must fit closer.
+    """
+    best, most = X_CO, _merit(sight, *settle_on(sight, X_CO))
     for _ in range(ROUNDS):
         settled = [settle_on(sight, X) for X in rivals(sight, best)]
-        X, evidence = max(settled, key=lambda one: one[1].closeness, default=(best, Evidence()))
-        if evidence.closeness < closeness + BETTER:
+        merit, X = max(((_merit(sight, *one), one[0]) for one in settled), key=lambda one: one[0], default=(0.0, best))
+        if merit < most + BETTER:
             break
-        best, closeness = X, evidence.closeness
+        best, most = X, merit
     return best
+
+
+def _merit(sight: Sight, X_CO: np.ndarray, evidence: Evidence) -> float:
+    off = difference(sight.X_CO_ahead, X_CO)
+    return evidence.closeness - UNEXPECTED * float(off @ sight.information @ off)
 
 
 def rivals(sight: Sight, X_CO: np.ndarray) -> list[np.ndarray]:
