@@ -8,10 +8,11 @@ from multiprocessing import get_context
 from typing import Any
 
 IN_VAIN = 3  # deaths on end, without a result between them, after which it is given up
+RENEWED_AFTER = 10  # calls: what a renderer never gives back goes with its process
 
 
 def in_processes(function: Callable, calls: Sequence[tuple], jobs: int = 1) -> Iterator[Any]:
-    """``function(*call)`` of each call, in their order, ``jobs`` at a time, in processes that import everything anew.
+    """``function(*call)`` of each call, in their order, ``jobs`` at a time, in processes that import everything anew now and then.
 
     A renderer is a library of others, and may take its process with it: what that process was doing is done again by a new one, with a
     warning. An error of the function comes through. ``function`` is found by its name in its module, as all that goes to another process.
@@ -20,15 +21,17 @@ def in_processes(function: Callable, calls: Sequence[tuple], jobs: int = 1) -> I
     given = in_vain = 0
     while given < len(calls):
         before = given + len(kept)
-        missing = [k for k in range(given, len(calls)) if k not in kept]
+        end = min(len(calls), given + RENEWED_AFTER * jobs)
+        missing = [k for k in range(given, end) if k not in kept]
         with ProcessPoolExecutor(min(jobs, max(1, len(missing))), get_context("spawn")) as pool:
             futures = {k: pool.submit(function, *calls[k]) for k in missing}
             try:
-                while given < len(calls):
+                while given < end:
                     result = kept.pop(given) if given in kept else futures[given].result()
                     given += 1
                     yield result
-                return
+                in_vain = 0
+                continue
             except BrokenProcessPool:
                 kept |= {k: future.result() for k, future in futures.items() if k >= given and _is_there(future)}
             finally:

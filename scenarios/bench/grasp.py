@@ -2,8 +2,6 @@
 
 import json
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +10,7 @@ from vipr.models import object_names
 from vipr.scenarios.bench import grasp_switch
 from vipr.scenarios.bench.tables import Table, chosen_parts
 from vipr.scenarios.pick_trial import pick_trial
+from vipr.scenarios.workers import in_processes
 
 PARTS = ("placements", "errors", "choices", "physics", "switch")
 PAIRED = 30  # placements, the first ones, for each error, choice and for the finer physics
@@ -63,42 +62,41 @@ def run(
     """
     parts, part = chosen_parts("grasp", only, PARTS), min(trials, PAIRED)
     store = _Store(kept)
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
 
-        def picks(count: int, name: str, *overrides: str) -> Rows:
-            """The first ``count`` placements with these settings, objects in turn."""
-            objects = object_names()
-            tasks = [(objects[i % len(objects)], seed + i, (*settings, *overrides)) for i in range(count)]
-            waiting = {task: pool.submit(pick_trial, *task) for task in tasks if task not in store}
-            rows = []
-            for task in tasks:
-                if task in waiting:
-                    store.keep(task, waiting[task].result())
-                rows.append(store[task])
-                progress(f"{name}: {len(rows)} of {count}; {task[0]} {task[1]}: {rows[-1]['reason']}")
-            return rows
+    def picks(count: int, name: str, *overrides: str) -> Rows:
+        """The first ``count`` placements with these settings, objects in turn."""
+        objects = object_names()
+        tasks = [(objects[i % len(objects)], seed + i, (*settings, *overrides)) for i in range(count)]
+        new = in_processes(pick_trial, [task for task in tasks if task not in store], jobs)
+        rows = []
+        for task in tasks:
+            if task not in store:
+                store.keep(task, next(new))
+            rows.append(store[task])
+            progress(f"{name}: {len(rows)} of {count}; {task[0]} {task[1]}: {rows[-1]['reason']}")
+        return rows
 
-        if "switch" in parts:
-            yield grasp_switch.run(seed, progress)
-        if parts == ["switch"]:
-            return
-        rows = picks(trials if "placements" in parts else part, AS_IT_IS)
-        if "placements" in parts:
-            yield _placements(rows)
-        same = rows[:part]
-        if "errors" in parts:
-            for place, title in ERROR_PLACES.items():
-                where = f"pose_error_in={place}"
-                levels = {
-                    f"{e:g}": picks(part, f"{e:g} mm {place}", f"pose_error_mm={e}", f"pose_error_deg={e}", where)
-                    for e in ERRORS
-                }
-                yield _compared(title, "error, mm and degrees", {"0": same, **levels})
-        if "choices" in parts:
-            variants = {name: picks(part, name, *overrides) for name, overrides in CHOICES.items()}
-            yield _compared("What each choice is worth", "robot", {AS_IT_IS: same, **variants})
-        if "physics" in parts:
-            yield _physics(same, picks(part, "half the time step", *HALF_STEP))
+    if "switch" in parts:
+        yield grasp_switch.run(seed, progress)
+    if parts == ["switch"]:
+        return
+    rows = picks(trials if "placements" in parts else part, AS_IT_IS)
+    if "placements" in parts:
+        yield _placements(rows)
+    same = rows[:part]
+    if "errors" in parts:
+        for place, title in ERROR_PLACES.items():
+            where = f"pose_error_in={place}"
+            levels = {
+                f"{e:g}": picks(part, f"{e:g} mm {place}", f"pose_error_mm={e}", f"pose_error_deg={e}", where)
+                for e in ERRORS
+            }
+            yield _compared(title, "error, mm and degrees", {"0": same, **levels})
+    if "choices" in parts:
+        variants = {name: picks(part, name, *overrides) for name, overrides in CHOICES.items()}
+        yield _compared("What each choice is worth", "robot", {AS_IT_IS: same, **variants})
+    if "physics" in parts:
+        yield _physics(same, picks(part, "half the time step", *HALF_STEP))
 
 
 class _Store(dict):

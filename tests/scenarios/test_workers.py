@@ -6,7 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from vipr.scenarios import workers
 from vipr.scenarios.workers import in_processes
+
+
+def process(n, _folder):
+    return os.getpid()
 
 
 def half(n, _folder):
@@ -34,6 +39,12 @@ def test_results_come_in_order_and_errors_come_through(tmp_path):
     assert list(in_processes(half, [])) == []
     with pytest.raises(ValueError, match="no 7"):
         list(in_processes(fails, [(7, tmp_path)]))
+
+
+def test_processes_are_renewed_after_some_calls(tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "RENEWED_AFTER", 3)
+    pids = list(workers.in_processes(process, [(n, tmp_path) for n in range(7)]))
+    assert len(set(pids[:3])) == len(set(pids[3:6])) == 1 and len(set(pids)) == 3
 
 
 def test_what_a_dead_process_was_doing_is_done_again(tmp_path):
