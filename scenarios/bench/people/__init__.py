@@ -5,27 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from vipr.scenarios.bench.people.clips import FACE_TOLERANCE, HAND_TOLERANCE, run_clips
+from vipr.scenarios.bench.people.clips import FACE_TOLERANCE, HAND_TOLERANCE, lone_hands, run_clips
+from vipr.scenarios.bench.people.light import light_table
 from vipr.scenarios.bench.people.pixels import classifiers, photographs, room_pixels, scores, uci_pixels
-from vipr.scenarios.bench.people.rooms import expose, judge, judge_room, shots, summarise
+from vipr.scenarios.bench.people.rooms import judge_room, summarise
 from vipr.scenarios.bench.people.time import time_table
 from vipr.scenarios.bench.tables import Table, chosen_parts
-from vipr.scenarios.people.scenes import light_program, random_scene
 from vipr.scenarios.workers import in_processes
 from vipr.systems.errors import InputError
 from vipr.systems.hands.parts import PARTS
-from vipr.systems.skin.classifier import SkinOptions
 
-VARIANTS = {
-    "full chain": SkinOptions(),
-    "light not followed": SkinOptions(follow_light=False),
-    "nothing adapts": SkinOptions(follow_light=False, adapt=False),
-    "r-g box, adapting": SkinOptions(classifier="box", follow_light=False),
-    "r-g box, fixed": SkinOptions(classifier="box", follow_light=False, adapt=False),
-    "skin locus shell": SkinOptions(classifier="locus", follow_light=False, adapt=False),
-    "hue-saturation box": SkinOptions(classifier="hsi", follow_light=False, adapt=False),
-}
-PROGRAMS = ("constant", "fixed", "step", "drift")
 TABLES = ("time", "rooms", "light", "clips", "pixels")
 
 
@@ -45,10 +34,11 @@ def run(
     if "rooms" in chosen:
         yield from rooms_tables(10 if quick else 100, seed, progress)
     if "light" in chosen:
-        yield light_table(2 if quick else 5, seed, progress)
+        yield light_table(2 if quick else 20, seed, progress)
     if "clips" in chosen and data is not None:
         progress("clips")
         yield clips_table(data, 200 if quick else None)
+        yield lone_hands_table(data)
     if "pixels" in chosen:
         yield from pixel_tables(data, 1 if quick else 5, progress)
 
@@ -96,33 +86,6 @@ def rooms_tables(scenes: int, seed: int, progress) -> Iterator[Table]:
     )  # fmt: skip
 
 
-def light_table(scenes: int, seed: int, progress) -> Table:
-    """Share of truly seen parts that are tracked under each light program, by variants of the first stage."""
-    results = {name: {program: [] for program in PROGRAMS} for name in VARIANTS}
-    for k in range(scenes):
-        scene = random_scene(seed + 500 + k, kind="apart")
-        pictures = list(shots(scene))
-        for program in PROGRAMS:
-            progress(f"light: scene {k + 1} of {scenes}, {program}")
-            light = light_program(np.random.default_rng((seed, k)), program, len(scene.paths))
-            frames = list(expose(scene, pictures, light))
-            for name, options in VARIANTS.items():
-                results[name][program].append(judge(scene, frames, options))
-    rows = []
-    for name, by_program in results.items():
-        row = []
-        for program in PROGRAMS:
-            s = summarise(by_program[program])["tracked"]
-            row.append(100 * float(np.mean(list(s.values()))))
-        rows.append((name, *row))
-    return Table(
-        f"Light: parts tracked % ({scenes} scenes each)",
-        ("first stage", "constant white", "another light from the start", "steps", "drifts"),
-        rows,
-        "Intensity 0.4 to 1.6, 3000 K to 8000 K; hands apart; the mean of face and hands. Motion and the still scene help every variant.",
-    )
-
-
 def clips_table(data: Path, most: int | None) -> Table:
     """Real clips: hit rates."""
     rows = [
@@ -133,6 +96,16 @@ def clips_table(data: Path, most: int | None) -> Table:
         "Real clips", ("clip", "part", "reference visible", "hits", "%", "either hand", "median error / shoulder width"), rows,
         f"A hit is a part seen within {FACE_TOLERANCE} (face) or {HAND_TOLERANCE} (hand) shoulder widths of the reference of visibility >= "
         "0.5; the reference is another tracker and not the truth.",
+    )  # fmt: skip
+
+
+def lone_hands_table(data: Path) -> Table:
+    """Clips that show a hand and nobody: what is reported in them."""
+    clips, frames, *shares = lone_hands(data)
+    return Table(
+        "Clips of one hand alone", ("clips", "frames", "a face %", "a hand %", "two hands %"),
+        [(clips, frames, *(100 * v for v in shares))],
+        "Shares of the frames in which each is reported; there is one hand and no face.",
     )  # fmt: skip
 
 

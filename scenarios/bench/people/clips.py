@@ -81,3 +81,12 @@ def run_clips(data: Path, options: SkinOptions = SkinOptions(), most: int | None
         tracks = follow_clip(video, options)[: len(rows)]
         result += score_clip(clip, tracks, rows)
     return result
+
+
+def lone_hands(data: Path) -> tuple[int, int, float, float, float]:
+    """Clips and frames below ``data``/video/hand_*, and the shares of frames in which a face, a hand and two hands are reported."""
+    clips = sorted(path for path in (data / "video").glob("hand_*/**/*") if path.suffix in (".m4v", ".mp4"))
+    seen = [(t.face_seen, t.left_seen, t.right_seen) for clip in clips for t in follow_clip(clip)]
+    face, left, right = np.array(seen, bool).reshape(-1, 3).T
+    n = max(len(face), 1)
+    return len(clips), len(face), face.sum() / n, (left | right).sum() / n, (left & right).sum() / n

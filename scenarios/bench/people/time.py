@@ -27,7 +27,7 @@ ROWS = (
 
 
 def time_table(frames: int, progress) -> Table:
-    """Milliseconds a frame of each stage, median of frames of a rendered scene, worked at the full size given and reduced."""
+    """Processor time [ms] a frame of each stage, median of frames of a rendered scene, worked at the full size given and reduced."""
     columns = ("stage [ms a frame]", "paper, 160x120", *(f"{w}x{h}" for w, h in SIZES), REDUCED[2])
     cells: dict[str, list[float]] = {row: [] for row in (*ROWS, "total")}
     small = [image for image, _ in film(random_scene(1, seconds=frames / 25.0))]
@@ -55,7 +55,7 @@ def time_table(frames: int, progress) -> Table:
         "(with assignment, merging, births); light, motion, description and learning are beyond the paper's chain. "
         + ("" if find_spec("mediapipe") else "MediaPipe is not installed: no comparison.")
     )
-    return Table("Table I: time of each stage", columns, rows, note)
+    return Table("Table I: processor time of each stage", columns, rows, note)
 
 
 def _usual(spent: list[float]) -> float:
@@ -65,7 +65,7 @@ def _usual(spent: list[float]) -> float:
 
 
 class _Stopwatch:
-    """The time between marks of every frame, by the name of the mark that ends it [s]."""
+    """The processor time between marks of every frame, by the name of the mark that ends it [s]."""
 
     def __init__(self):
         self.spent: dict[str, list[float]] = {}
@@ -73,12 +73,12 @@ class _Stopwatch:
 
     def start(self) -> None:
         """A frame begins."""
-        self._frame, self._last = {}, time.perf_counter()
+        self._frame, self._last = {}, time.process_time()
 
     def __call__(self, name: str) -> None:
-        now = time.perf_counter()
+        now = time.process_time()
         self._frame[name] = self._frame.get(name, 0.0) + now - self._last
-        self._last = time.perf_counter()
+        self._last = time.process_time()
 
     def end_of_frame(self) -> None:
         """Keep this frame's times; learning is not done in every frame."""
@@ -98,15 +98,15 @@ def _retrieval(images: list[np.ndarray]) -> list[float]:
         frames = iter(open_video(path).frames)
         next(frames)
         while True:
-            begin = time.perf_counter()
+            begin = time.process_time()
             if next(frames, None) is None:
                 return spent
-            spent.append(time.perf_counter() - begin)
+            spent.append(time.process_time() - begin)
 
 
 def _kalman_time() -> float:
     tracks = [kalman.start(10.0 * k, 5.0, 0.8, 60.0) for k in range(3)]
-    begin = time.perf_counter()
+    begin = time.process_time()
     for k in tracks:
         kalman.update(kalman.predict(k, 0.04, 2600.0), 12.0, 6.0, 0.8)
-    return time.perf_counter() - begin
+    return time.process_time() - begin
