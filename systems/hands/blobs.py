@@ -21,13 +21,17 @@ def pixels_of(labels: np.ndarray, row: int) -> np.ndarray:
 
 @compiled
 def _pixels(labels, label):
-    n = 0
+    n, first, last = 0, 0, -1
     for y in range(labels.shape[0]):
+        here = 0
         for x in range(labels.shape[1]):
-            n += labels[y, x] == label
+            here += labels[y, x] == label
+        if here:
+            first, last = (first if n else y), y
+            n += here
     out = np.empty((n, 2))
     n = 0
-    for y in range(labels.shape[0]):
+    for y in range(first, last + 1):
         for x in range(labels.shape[1]):
             if labels[y, x] == label:
                 out[n, 0], out[n, 1] = x, y

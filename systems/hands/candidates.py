@@ -35,22 +35,17 @@ def candidates(regions: SkinRegions, tracks: dict) -> list[Candidate]:
     s, person = regions.scale, regions.person[rows]
     centres, areas = (regions.centres[rows] + 0.5) / s - 0.5, regions.areas[rows] / s**2
     cores = (regions.cores[rows] + (0.5, 0.5, 0.0)) / s - (0.5, 0.5, 0.0)
-    evidence = np.minimum(np.maximum(2.0 * (person - 0.25), 0.0), 1.0)
-    widest = max(cores[evidence > 0.3, 2], default=1.0)
-    # Heads are above the rest, compact (the ratio is 1 for a disc, about 1.4 for a head, 2.5 for an open hand) and wide.
-    weight = evidence * (areas > 0.05 * areas.max())
-    below = (centres[:, 1] > centres[:, 1][:, None]) @ weight
-    topmost = (0.15 + below) / (0.3 + weight.sum() - weight)
-    spill = areas / (np.pi * np.maximum(cores[:, 2], 1.0) ** 2)
-    compact = np.minimum(np.maximum((3.2 - spill) / 1.5, 0.0), 1.0)
-    wide = 2.0 * np.minimum(1.0, cores[:, 2] / widest) - 1.0
-    head = 0.75 * regions.faceness[rows] + 0.1 * compact + 0.15 * topmost + 0.1 * wide
     boxes = regions.boxes[rows] / s
-    head -= 0.25 * _slender(areas, boxes, cores[:, 2])
-    head -= 0.3 * (cores[:, 2] < SMALL * max(cores[person > 0.5, 2], default=0.0))
-    # What clearly looks like a face may come in over the border.
-    doubt = np.minimum(np.maximum(0.9 - 1.5 * regions.faceness[rows], 0.0), 0.3)
-    head -= doubt * _enters(regions.labels, rows, cores)
+    head = _headlike(
+        centres,
+        areas,
+        boxes,
+        cores,
+        person,
+        regions.faceness[rows],
+        _contacts(regions.labels)[rows],
+        regions.labels.shape,
+    )
     return [
         Candidate(
             i, centres[k], float(areas[k]), boxes[k], cores[k], float(person[k]), float(head[k]),
@@ -60,24 +55,55 @@ def candidates(regions: SkinRegions, tracks: dict) -> list[Candidate]:
     ]  # fmt: skip
 
 
-def _slender(areas: np.ndarray, boxes: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """(n,) 0 to 1: how far regions are long and nowhere wide, as arms are.
+@compiled
+def _headlike(centres, areas, boxes, cores, person, faceness, contacts, shape):
+    """(n,) how much each region is like a head: marks of a face; above the rest, compact (the ratio is 1 for a disc, about 1.4 for a head,
+    2.5 for an open hand) and wide. Arms are not, nor what comes in over the border without clearly looking like a face."""
+    n = len(areas)
+    evidence = np.minimum(np.maximum(2.0 * (person - 0.25), 0.0), 1.0)
+    weight = evidence * (areas > 0.05 * areas.max())
+    widest = widest_person = 0.0
+    for k in range(n):
+        widest = max(widest, cores[k, 2] if evidence[k] > 0.3 else 0.0)
+        widest_person = max(widest_person, cores[k, 2] if person[k] > 0.5 else 0.0)
+    widest = widest if widest > 0.0 else 1.0
+    head = np.empty(n)
+    for k in range(n):
+        radius = cores[k, 2]
+        below = (weight * (centres[:, 1] > centres[k, 1])).sum()
+        topmost = (0.15 + below) / (0.3 + weight.sum() - weight[k])
+        compact = _limited((3.2 - areas[k] / (np.pi * max(radius, 1.0) ** 2)) / 1.5)
+        wide = 2.0 * min(1.0, radius / widest) - 1.0
+        head[k] = 0.75 * faceness[k] + 0.1 * compact + 0.15 * topmost + 0.1 * wide
+        head[k] -= 0.25 * _slender(areas[k], boxes[k], radius)
+        if radius < SMALL * widest_person:
+            head[k] -= 0.3
+        if _enters(cores[k], contacts[k], shape):
+            head[k] -= min(max(0.9 - 1.5 * faceness[k], 0.0), 0.3)
+    return head
+
+
+@compiled
+def _limited(x):
+    return min(max(x, 0.0), 1.0)
+
+
+@compiled
+def _slender(area, box, radius):
+    """0 to 1: how far a region is long and nowhere wide, as arms are.
 
     An arm fills about half of its length times its width; a head in one region with a wall or a shelf fills more, or less.
     """
-    length, width = np.hypot(boxes[:, 2], boxes[:, 3]), 2.0 * np.maximum(radii, 1.0)
-    filled = areas / (length * width)
-    slenderness = (length / width - 3.4) / 0.8
-    as_arms_fill = np.minimum(12.5 * (filled - 0.4), 2.6 - 1.6 * filled)
-    return np.minimum(np.maximum(slenderness, 0.0), 1.0) * np.minimum(np.maximum(as_arms_fill, 0.0), 1.0)
+    length, width = np.hypot(box[2], box[3]), 2.0 * max(radius, 1.0)
+    filled = area / (length * width)
+    return _limited((length / width - 3.4) / 0.8) * _limited(min(12.5 * (filled - 0.4), 2.6 - 1.6 * filled))
 
 
-def _enters(labels: np.ndarray, rows: list[int], cores: np.ndarray) -> np.ndarray:
-    """(n,) whether regions come in over the border of the image as wide as an arm is for its hand; a head does not."""
-    contact = _contacts(labels)[rows]
-    h, w = labels.shape
-    away = np.minimum(np.minimum(cores[:, 0], w - 1 - cores[:, 0]), h - 1 - cores[:, 1])
-    return (contact > 0.7 * cores[:, 2]) & (away > 1.5 * cores[:, 2])
+@compiled
+def _enters(core, contact, shape):
+    """Whether a region comes in over the border of the image as wide as an arm is for its hand; a head does not."""
+    away = min(core[0], shape[1] - 1 - core[0], shape[0] - 1 - core[1])
+    return contact > 0.7 * core[2] and away > 1.5 * core[2]
 
 
 @compiled
