@@ -8,7 +8,7 @@ import numpy as np
 from vipr.systems.compiled import compiled
 from vipr.systems.hands import kalman
 from vipr.systems.hands.candidates import Candidate
-from vipr.systems.hands.parts import HEAD, SIGMA_N, Track, in_neck
+from vipr.systems.hands.parts import HEAD, SIGMA_N, Track, hand_before_face, in_neck
 
 GATE2 = 20.0  # squared Mahalanobis distance
 # px and px/s at 160 x 120: no part moves farther in a frame
@@ -24,9 +24,14 @@ COST_UNSEEN, COST_SHARED = 14.0, 7.0
 def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, u: float) -> dict:
     """{part: index of its region or None} of least cost; a region may be shared at a price."""
     names, face = list(tracks), tracks.get("face")
+    arm = any(r.arm is not None for r in found)
     options = []
     for name, t in tracks.items():
-        prices = ((i, _price(name, t, r, face, labels, dt, u)) for i, r in enumerate(found))
+        prices = (
+            (i, _price(name, t, r, face, labels, dt, u))
+            for i, r in enumerate(found)
+            if not (arm and r.cut and name != "face")
+        )
         near = sorted(((cost, i, deep) for i, (cost, deep) in prices if cost < COST_UNSEEN + 4.0))
         options.append(sorted([(COST_UNSEEN, None, True), *near], key=lambda option: option[0])[:4])
     best, chosen = math.inf, ()
@@ -51,6 +56,8 @@ def _price(
 
     A merged or slender region's centre is far from its part: the nearer of centre and outline counts, at a price.
     """
+    if name == "face" and r.arm is not None:
+        return math.inf, False
     if name != "face":
         if t.unseen > COASTS:
             return math.inf, False  # it comes back by where it was and by its side of the face (births)
@@ -61,9 +68,11 @@ def _price(
     x, y = t.filter.x, t.filter.y
     gate = (GATE[name][0] + GATE[name][1] * dt + 60.0 * min(t.unseen, 0.5)) * u
     gap = max(0.0, _gap(r, labels, x, y, gate) - 0.3 * math.sqrt(t.area / math.pi))
-    centre = kalman.distance2(t.filter, *r.centre, SIGMA_N * u)
+    hidden = None if face is None else hand_before_face(r, face.head_height)
+    middle = r.centre if hidden is None else hidden
+    centre = kalman.distance2(t.filter, *middle, SIGMA_N * u)
     inside = gap**2 / (t.filter.pp + (SIGMA_N * u) ** 2) + 3.0
-    if min(centre, inside) >= GATE2 or min(gap, math.hypot(r.centre[0] - x, r.centre[1] - y)) >= gate:
+    if min(centre, inside) >= GATE2 or min(gap, math.hypot(middle[0] - x, middle[1] - y)) >= gate:
         return math.inf, False
     size = math.log(max(r.area, 1.0) / max(t.area, 1.0))
     look = 8.0 * max(0.0, (t.headlike - r.headlike if name == "face" else r.headlike - t.headlike) - 0.2)

@@ -11,6 +11,10 @@ HAND_LENGTH_IN_WIDTHS = 2.3  # a hand is about this much longer than its arm is 
 # In heights of the head (Drillis and Contini's proportions of the body):
 HAND_LENGTH, UPPER_ARM = 0.66, 1.43  # of the hand what is seen of it: fingers are thin and often bent
 SHOULDER = (0.86, 0.90)  # from the middle of the face: to the side, down
+FOREARM = 1.5  # from the elbow to the middle of the hand
+ARM_BESIDE_HEAD = 0.9  # length from which a slender thing at the head is an arm, not a hand or the neck
+ARM_WIDTH = 0.45  # what is wider is hand as well
+AT_HEAD = 0.9  # from the middle of the face, within which an arm ends at the head
 HAND_IN_FACES = 0.75  # area of the largest usual hand over that of the face; more is hand and arm
 
 
@@ -60,11 +64,20 @@ def _farthest(p, x, y):
 
 @dataclass(frozen=True)
 class Body:
-    """What the face says of one arm: where its shoulder is [px], the height of the head [px] and the area of the face [px^2]."""
+    """What the face says of one arm."""
 
-    shoulder: np.ndarray
-    head: float
-    face_area: float
+    shoulder: np.ndarray  # (2,) px
+    other: np.ndarray  # (2,) px, the other arm's
+    head: float  # px, height
+    face_area: float  # px^2
+
+    def beyond_elbow(self, point: np.ndarray) -> float:
+        """How much farther from the shoulder a point is than the elbow can be, in heights of the head; 0 where it can be the elbow."""
+        return max(0.0, float(np.hypot(*(point - self.shoulder))) / self.head - 1.08 * UPPER_ARM)
+
+    def is_elbow(self, point: np.ndarray) -> bool:
+        """Whether a point is within reach of either elbow."""
+        return min(float(np.hypot(*(point - s))) for s in (self.shoulder, self.other)) < 1.15 * UPPER_ARM * self.head
 
 
 def hand_end(p: np.ndarray, expected, body: Body | None, motion: np.ndarray) -> tuple[np.ndarray, float]:
@@ -93,13 +106,41 @@ def hand_end(p: np.ndarray, expected, body: Body | None, motion: np.ndarray) -> 
         if body is None:
             return cost - _inside(end, motion.shape) / unit
         d = np.hypot(*(end - body.shoulder)) / unit
-        return cost + 0.8 * end[1] / unit + 0.8 * np.clip((0.7 - d) / 0.3, 0, 1) - 2.0 * max(0.0, d - 1.08 * UPPER_ARM)
+        return cost + 0.8 * end[1] / unit + 0.8 * np.clip((0.7 - d) / 0.3, 0, 1) - 2.0 * body.beyond_elbow(end)
 
     tip = a if price(a) < price(b) else b
     if expected is not None and length > 2.5 * unit and np.hypot(*(tip - expected)) > 2.5 * reach:
         tip = p[np.argmin(((p - expected) ** 2).sum(1))]  # a bent arm, or two: neither end is where the hand should be
     hand = p[((p - tip) ** 2).sum(1) < reach**2]
     return hand.mean(0), float(len(hand))
+
+
+def far_end(p: np.ndarray, expected: np.ndarray, body: Body) -> np.ndarray | None:
+    """Centre (2,) of the hand at an end of blob p (n, 2) that no elbow can reach, near where it is ``expected`` (2,); None without one."""
+    reach = HAND_LENGTH * body.head
+    a, b, length, _ = ends(p)
+    if len(p) < 2.0 * HAND_IN_FACES * body.face_area or length < 1.5 * body.head:  # no more than hands
+        return None
+    tips = [end for end in (a, b) if not body.is_elbow(end) and np.hypot(*(end - expected)) < 1.8 * reach]
+    if len(tips) != 1:
+        return None
+    return p[((p - tips[0]) ** 2).sum(1) < reach**2].mean(0)
+
+
+def arm_at_head(p: np.ndarray, face: np.ndarray, head: float) -> np.ndarray | None:
+    """(2, 2) the end at the head and the other of a blob p (n, 2) beside a head, if it is an arm whose hand is before the face.
+
+    It is slender, leads away from the head, and is longer than a hand, but not as long as an arm with its hand.
+
+    ``face`` (2,) is the middle of the head, ``head`` its height [px].
+    """
+    a, b, length, width = ends(p)
+    near, far = np.hypot(*(a - face)), np.hypot(*(b - face))
+    leads_away = abs(far - near) > 0.7 * length and min(near, far) < AT_HEAD * head
+    slender = length > 1.8 * width and width < ARM_WIDTH * head
+    if not (slender and leads_away and ARM_BESIDE_HEAD * head < length < FOREARM * head):
+        return None
+    return np.array([a, b] if near < far else [b, a])
 
 
 def head_in(p: np.ndarray, centre: np.ndarray, radius: float, rounds: int = 3) -> tuple[np.ndarray, float]:

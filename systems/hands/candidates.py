@@ -23,6 +23,7 @@ class Candidate:
     headlike: float  # 0 to 1: marks of a face, shape of a head, size and height among the regions of this frame
     cut: bool = False  # the head cut out of a larger region
     remnant: bool = False  # what is left of a region without the head in it: neck, arm, wall
+    arm: np.ndarray | None = None  # (2, 2) tip and other end, where it is an arm that reaches the head
     moving: float = 0.0  # 0 to 1, share of its pixels that move
 
 

@@ -7,6 +7,10 @@ from vipr.systems.hands.measurement import head_of
 from vipr.systems.hands.parts import HEAD, SMALLEST_HEAD, born
 
 MIND_SIDES = 0.6  # s on the wrong sides, beyond those on the right ones, after which hands exchange names
+DOUBT = 0.6  # s for which a face has been where hands are and looked like none, beyond those it did, after which it is given up
+UNLIKELY = 0.36  # headlike below which a face may be a hand
+RESTLESS = 6.0  # half-widths of a head a second: hands are often faster, heads seldom
+ELBOWS = 0.25  # s of the same where both arms are bare: elbows hardly ever cross
 YOUNG = 25  # frames for which a hand has been followed, up to which only its side says which it is
 
 
@@ -41,6 +45,26 @@ def settle_face(
     return {**tracks, "face": promoted}, 0.0, True
 
 
+def doubt_face(tracks: dict, free: list[Candidate], doubt: float, dt: float) -> tuple[dict, float]:
+    """Without the face where for a while it has looked little like one and moved as hands do or been below another part.
+
+    Also for how long [s] it has been so.
+    """
+    face = tracks.get("face")
+    if face is None or face.unseen > 0 or face.shared:
+        return tracks, doubt if face is not None else 0.0
+    top = face.filter.y - 0.5 * face.head_height
+    hands = [t.filter.y for n, t in tracks.items() if n != "face" and t.unseen == 0]
+    others = [r.centre[1] for r in free if r.person > 0.5 and not r.remnant and r.area > 0.3 * face.area]
+    below = any(y < top for y in (*hands, *others))
+    fast = np.hypot(face.filter.vx, face.filter.vy) > RESTLESS * face.head_radius
+    step = min(dt, 0.06)
+    doubt = doubt + step if face.headlike < UNLIKELY and (below or fast) else max(0.0, doubt - step)
+    if doubt < DOUBT:
+        return tracks, doubt
+    return {n: t for n, t in tracks.items() if n != "face"}, 0.0
+
+
 def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict, float]:
     """Exchange the names of hands that have been on the wrong sides for longer than on their own; a new hand has no history."""
     hands = {n: tracks[n] for n in ("left", "right") if n in tracks and tracks[n].unseen == 0 and not tracks[n].shared}
@@ -49,7 +73,12 @@ def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict,
     ):
         order = min(order, 0.0)
     face = tracks.get("face")
-    if len(hands) == 2:
+    elbows = [hands[n].elbow for n in ("left", "right") if n in hands]
+    bare = len(elbows) == 2 and None not in elbows
+    if bare:
+        apart = (elbows[0] - elbows[1]) / u
+        order = min(order, 0.0) if apart < 0.0 else order
+    elif len(hands) == 2:
         apart = (hands["left"].filter.x - hands["right"].filter.x) / u
     elif len(hands) == 1 and face is not None and face.unseen == 0:
         (name, t), width = next(iter(hands.items())), 2 * np.sqrt(face.area / np.pi)
@@ -58,7 +87,7 @@ def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict,
     else:
         return tracks, order
     crossed = any(t.met for t in hands.values()) and all(t.hits > YOUNG for t in hands.values())
-    patience = MIND_SIDES * (3.0 if crossed else 1.0)
+    patience = ELBOWS if bare else MIND_SIDES * (3.0 if crossed else 1.0)
     order = float(np.clip(order + dt * np.clip(apart / 10.0, -1.0, 1.0), -patience, 6.0))
     if order > -patience:
         return tracks, order

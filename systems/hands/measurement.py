@@ -10,10 +10,11 @@ from vipr.systems.hands.assignment import GATE
 from vipr.systems.hands.blobs import SHOULDER, Body, hand_end, head_in, pixels_of
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.merging import measure_shared
-from vipr.systems.hands.parts import LOST_AFTER, SIGMA_N, Track, anew
+from vipr.systems.hands.parts import LOST_AFTER, SIGMA_N, Track, anew, hand_before_face
 
 MISSED = 300.0  # px/s at 160 x 120, the highest speed of a part that is missed: faster ones were mostly an error of the measurement before
 END_OF_ARM = 1.5  # times the noise of a centre, where only the end of a bare arm says where the hand is
+HIDDEN = 3.0  # the same where the hand is before the face, and only its arm is seen apart
 LIFE = 2.0  # s, in which the memory of having moved halves
 
 
@@ -30,21 +31,30 @@ def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, 
         r = found[i]
         sharers = [other for other in tracks if choice.get(other) == i]
         if len(sharers) > 1:
-            out[name] = measure_shared(name, t, sharers, tracks, r, labels, dt, u)
+            out[name] = measure_shared(name, t, sharers, tracks, body_of(tracks, name), r, labels, dt, u)
             continue
         expected = t.position
         if name == "face":
             centre, area = head_of(r, labels, expected, t.head_radius)
+        elif r.arm is not None:
+            centre, area = hand_before_face(r, tracks["face"].head_height), t.area
         else:
             centre, area = hand_of(r, labels, motion, expected, body_of(tracks, name))
         far = np.hypot(*(centre - expected)) > (GATE[name][0] + GATE[name][1] * dt) * u
-        noise = SIGMA_N * u * (END_OF_ARM if name != "face" and area < 0.7 * r.area else 1.0)
+        noise = (
+            SIGMA_N
+            * u
+            * (HIDDEN if r.arm is not None else END_OF_ARM if name != "face" and area < 0.7 * r.area else 1.0)
+        )
         f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, noise)
         rate = 0.15
         slow = 2.0 if r.cut else 1.0 if r.area > 1.7 * area else 0.25  # s
         look = t.headlike if r.remnant else t.headlike + (1 - np.exp(-dt / slow)) * (r.headlike - t.headlike)
+        bare = name != "face" and area < 0.7 * r.area and not r.remnant
+        elbow = 2.0 * r.centre - centre if bare else None
         out[name] = Track(
-            f, t.area + rate * (area - t.area), 0.0, t.hits + 1, look, max(r.moving, t.life * 0.5 ** (dt / LIFE)), met=t.met
+            f, t.area + rate * (area - t.area), 0.0, t.hits + 1, look, max(r.moving, t.life * 0.5 ** (dt / LIFE)), met=t.met,
+            elbow=None if elbow is None else float(elbow[0]),
         )  # fmt: skip
     return out
 
@@ -75,7 +85,6 @@ def body_of(tracks: dict, name: str) -> Body | None:
     if face is None or face.unseen > LOST_AFTER:
         return None
     head = face.head_height
-    side = 1.0 if name == "left" else -1.0
-    return Body(
-        np.array([face.filter.x + side * SHOULDER[0] * head, face.filter.y + SHOULDER[1] * head]), head, face.area
-    )
+    across = (SHOULDER[0] if name == "left" else -SHOULDER[0]) * head
+    x, y = face.filter.x, face.filter.y + SHOULDER[1] * head
+    return Body(np.array([x + across, y]), np.array([x - across, y]), head, face.area)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vipr.systems.hands import kalman
+from vipr.systems.hands.blobs import FOREARM
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.kalman import Kalman
 
@@ -15,6 +16,7 @@ SIGMA_W = {"face": 500.0, "left": 2600.0, "right": 2600.0}  # acceleration noise
 SIGMA_V = {"face": 20.0, "left": 60.0, "right": 60.0}  # velocity of a new track, px/s
 LOST_AFTER = 0.7  # s unseen, after which a part may come back anywhere
 SMALLEST_HEAD = 2.2  # px at 160 x 120, the radius of the core of the smallest region that may become the face
+BEYOND = 0.4  # heights of the head, from where an arm goes before the face to the middle of its hand
 HEAD = 0.48  # headlike from which a region can become the face
 
 
@@ -30,6 +32,7 @@ class Track:
     life: float = 0.0  # 0 to 1: how much it moved in the last seconds
     shared: bool = False
     met: bool = False  # has it shared a region with the other hand
+    elbow: float | None = None  # px, x of the other end of a bare arm
     crowded: float = 0.0  # s for which it has shared a region that is too small for all
 
     @property
@@ -56,6 +59,18 @@ def anew(name: str, centre, u: float) -> Kalman:
 def born(name: str, centre, area: float, r: Candidate, u: float) -> Track:
     """The track of a part that was found in a region."""
     return Track(anew(name, centre, u), max(area, 1.0), headlike=r.headlike, life=r.moving)
+
+
+def hand_before_face(r: Candidate, head: float) -> np.ndarray | None:
+    """(2,) where a hand is, of whose bare arm a region is what is seen beside the head; None where it is no such arm.
+
+    It lies beyond the end of the arm, among the pixels of the face, no farther from the elbow than hands are; ``head`` is its height, px.
+    """
+    if r.arm is None:
+        return None
+    tip, elbow = r.arm
+    length = max(float(np.hypot(*(tip - elbow))), 1.0)
+    return elbow + min(length + BEYOND * head, FOREARM * head) * (tip - elbow) / length
 
 
 def in_neck(r: Candidate, face: Track, still: float) -> bool:

@@ -16,7 +16,7 @@ from vipr.systems.hands.assignment import assign
 from vipr.systems.hands.births import give_birth, look_for_better_face
 from vipr.systems.hands.candidates import candidates
 from vipr.systems.hands.head_cut import cut_out_head
-from vipr.systems.hands.identities import settle_face, settle_sides
+from vipr.systems.hands.identities import doubt_face, settle_face, settle_sides
 from vipr.systems.hands.kalman import Kalman
 from vipr.systems.hands.measurement import measure
 from vipr.systems.hands.parts import LOST_AFTER, PARTS, SIGMA_W, Track, smallest_hand
@@ -33,6 +33,7 @@ class TracksBelief:
 
     parts: tuple[tuple[str, Track], ...] = ()
     rival: float = 0.0  # s for which some hand looked more like a face than the face did
+    doubt: float = 0.0  # s for which the face has seemed to be none
     order: float = 0.0  # s for which the hands were on their own sides, less those on the other's
     faceless: float = 0.0  # s without a face
     output: HandTracks = HandTracks()
@@ -70,8 +71,9 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     tracks = give_birth(tracks, free, labels, regions.motion, belief.faceless, u)
     faceless = 0.0 if "face" in tracks and tracks["face"].unseen == 0 else belief.faceless + min(dt, 0.06)
     tracks, rival, another = settle_face(tracks, free, labels, belief.rival, dt, u)
+    tracks, doubt = doubt_face(tracks, free, 0.0 if another else belief.doubt, dt)
     tracks, order = settle_sides(tracks, 0.0 if another else belief.order, dt, u)  # sides are about the face
-    return TracksBelief(tuple(tracks.items()), rival, order, faceless, _report(tracks, regions))
+    return TracksBelief(tuple(tracks.items()), rival, doubt, order, faceless, _report(tracks, regions))
 
 
 def _closeness(face: Track | None, u: float) -> float:
@@ -82,12 +84,12 @@ def _closeness(face: Track | None, u: float) -> float:
 def _predict(name: str, t: Track, dt: float, u: float, shape) -> Track:
     """The track ``dt`` s later; merged parts keep their motion, which is what tells them apart when they part."""
     sigma = SIGMA_W[name] * (0.4 if t.shared else 1.0) * u
-    return replace(t, filter=_within(kalman.predict(t.filter, dt, sigma, _damping(t, dt)), shape))
+    return replace(t, filter=_within(kalman.predict(t.filter, dt, sigma, _damping(name, t, dt)), shape))
 
 
-def _damping(t: Track, dt: float) -> float:
-    """1/s: a seen track keeps its velocity (eq. 6) as long as frames come fast; an unseen one soon stops."""
-    return 25.0 if t.unseen > 0 else 8.0 if dt > 0.08 else 0.0
+def _damping(name: str, t: Track, dt: float) -> float:
+    """1/s: a seen track keeps its velocity (eq. 6) as long as frames come fast; an unseen one soon stops, and a face that a hand covers."""
+    return 25.0 if t.unseen > 0 else 8.0 if dt > 0.08 or (name == "face" and t.shared) else 0.0
 
 
 def _within(f: Kalman, shape) -> Kalman:

@@ -118,6 +118,11 @@ def test_a_hand_over_the_face_comes_off_as_the_same_hand():
     assert abs(outputs[-1].face[1] - 30) < 4 and abs(outputs[-1].right[1] - ys[-1]) < 4
 
 
+def test_a_face_stays_where_it_is_while_a_hand_goes_over_it():
+    outputs = track([[(80, 30, 9, 0.6), (30 + 2 * k, 32, 5, 0.0), (125, 80, 5, 0.0)] for k in range(50)])
+    assert all(np.hypot(*(o.face - (80, 30))) < 2.0 for o in outputs[5:])
+
+
 def test_a_hand_that_leaves_is_unseen_and_is_found_again():
     paths = [[HEAD, (110, 70 - k % 2, 6, 0.0)] + ([(50, 75, 6, 0.0)] if not 8 <= k < 20 else []) for k in range(30)]
     outputs = track(paths)
@@ -167,7 +172,7 @@ def test_images_give_face_and_both_hands_within_two_pixels():
 def test_the_hand_is_the_far_end_of_a_bare_arm():
     y, x = np.mgrid[60:66, 20:80]
     arm = np.column_stack([x.ravel(), y.ravel()]).astype(float)
-    body = Body(shoulder=np.array([85.0, 40.0]), head=30.0, face_area=500.0)
+    body = Body(shoulder=np.array([85.0, 40.0]), other=np.array([33.0, 40.0]), head=30.0, face_area=500.0)
     centre, count = hand_end(arm, None, body, np.zeros((120, 160), np.uint8))
     assert centre[0] < 35 and count < 0.5 * len(arm)
     ball = arm[(np.abs(arm[:, 0] - 50) < 4)]
