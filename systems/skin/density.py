@@ -17,7 +17,7 @@ def components(dense: np.ndarray, threshold: int, smallest: float, most: int):
     Returns labels (h, w) uint8 (row + 1, 0 elsewhere), areas (n,) and boxes (n, 4) x y w h in pixels, by falling area.
     """
     mask = cv2.threshold(dense, threshold, 255, cv2.THRESH_BINARY)[1]
-    n, labels = cv2.connectedComponents(mask, connectivity=8, ltype=cv2.CV_16U)
+    n, labels = cv2.connectedComponents(mask, connectivity=8)
     areas, boxes = _extents(labels, n)
     order = np.argsort(-areas, kind="stable")[:most]
     order = order[areas[order] >= smallest]

@@ -36,7 +36,7 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
         return still, model
     bright, person = colours.total >= DARKEST, on_person > 0
     sample, trust = (skin > 60) & (still.motion > 0.25) & person, 0.6
-    if len(found.faceness) and found.faceness.max() > 0.25:
+    if found.faceness.max(initial=0.0) > SURE_FACE:
         best = int(np.argmax(found.faceness))
         x, y, r = found.cores[best]
         ellipse = np.zeros_like(skin)
@@ -51,9 +51,7 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
 def stirring(colours: Chromaticity, still: Scene) -> np.ndarray:
     """(h, w) uint8, 1 on patches that may be skin and of which much moved: a hand that folds two fingers is no thing of the room."""
     may_be = (lookup(doubt_table(), colours.index) > 0.2) & (colours.total >= DARKEST)
-    labels = cv2.connectedComponents(
-        cv2.blur(may_be.astype(np.uint8) * 255, (3, 3)) // 128, connectivity=4, ltype=cv2.CV_16U
-    )[1]
+    labels = cv2.connectedComponents(cv2.blur(may_be.astype(np.uint8) * 255, (3, 3)) // 128, connectivity=4)[1]
     size = np.bincount(labels.ravel())
     moved = np.bincount(labels.ravel(), still.alive.ravel()) / np.maximum(size, 1)
     awake = (moved > STIRRED) & (size < 0.4 * labels.size)

@@ -133,6 +133,7 @@ def _together(moved, share):
 
 @compiled
 def _remember(moved, near, motion, alive, sure, fade, forget, pixels, then, luma, margin):
+    """Motion, what is alive and what stood; flat and by choices, as the processor does many pixels at a time."""
     n, one = moved.size, np.float32(1.0)
     moved_, near_, motion_, alive_ = moved.reshape(n), near.reshape(n), motion.reshape(n), alive.reshape(n)
     new_motion, new_alive = np.empty(n, np.float32), np.empty(n, np.float32)
@@ -179,13 +180,8 @@ def settle(scene: Scene, colours: Chromaticity, person: np.ndarray, dt: float) -
 def _settle(then, sure, luma, motion, pixels, person, margin, dt):
     n, zero, one = sure.size, np.float32(0.0), np.float32(1.0)
     same = _same(pixels, then, luma, margin).reshape(n)
-    sure_, motion_, person_, was, now = (
-        sure.reshape(n),
-        motion.reshape(n),
-        person.reshape(n),
-        then.reshape(3 * n),
-        pixels.reshape(3 * n),
-    )
+    sure_, motion_, person_ = sure.reshape(n), motion.reshape(n), person.reshape(n)
+    was, now = then.reshape(3 * n), pixels.reshape(3 * n)
     picture, surer, rate = np.empty(3 * n, np.float32), np.empty(n, np.float32), np.empty(n, np.float32)
     settled, changed, covered = dt / SETTLE, -dt / FORGET, -dt / (8 * FORGET)
     keep = min(1.0, 1.5 * dt)
