@@ -2,10 +2,13 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from vipr.models import object_names
+from vipr.scenarios.bench import grasp_switch
 from vipr.scenarios.bench.grasp import CHOICES, ERROR_PLACES, ERRORS, HALF_STEP, run
+from vipr.scenarios.teaching.trial import Trial
 from vipr.systems.errors import InputError
 
 
@@ -49,3 +52,24 @@ def test_an_unknown_part_is_refused():
         InputError, match="unknown part 'luck', allowed are placements, errors, choices, physics, switch"
     ):
         list(run(6, ["luck"], 0, 1, [], None, lambda text: None))
+
+
+def test_each_setting_of_the_torque_switch_gets_the_same_grasps_and_what_failed_counts_as_not_held(monkeypatch):
+    asked = {}
+
+    def attempt(grasp, name, X_WO, X_WG, *, drives):
+        asked.setdefault(drives.break_away_torque, []).append((grasp.name, X_WG.tobytes()))
+        fails = "pinch" in grasp.name and drives.break_away_torque < 1.5
+        slip = np.inf if fails else 1e-3 * len(asked[drives.break_away_torque])
+        return Trial(not fails, slip, 0.01, 0.0, np.zeros(3), np.zeros(3), 0.2, let_go=1)
+
+    monkeypatch.setattr(grasp_switch, "attempt", attempt)
+    monkeypatch.setattr(grasp_switch, "fits", lambda *_: True)
+    table = grasp_switch.run(1, lambda text: None, ["can"])
+    assert len({tuple(grasps) for grasps in asked.values()}) == 1
+    shares = {row[:2]: row[3] for row in table.rows}
+    assert (
+        shares["pinch", "0.5"] == shares["pinch", "1"] == 0 and shares["pinch", "1.5"] == shares["wrap", "none"] == 100
+    )
+    (wrap,) = (row for row in table.rows if row[:2] == ("wrap", "1"))
+    assert wrap[4:7] == (1.0, pytest.approx(0.2), pytest.approx(4.5)) and wrap[7] == pytest.approx(8.0)
