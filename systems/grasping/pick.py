@@ -43,9 +43,7 @@ class Picker:
     error: np.ndarray = field(
         default_factory=lambda: np.zeros(6)
     )  # rad and m in W, added to what is seen: for measuring
-    error_believed: bool = (
-        False  # it is added to what is believed then, with the support's help: nothing can correct it
-    )
+    error_believed: bool = False  # it is added to what is believed after that: the support cannot correct it
 
     def start(self, X_CO: np.ndarray) -> PickState:
         """Before the first tick, with a rough idea of where the object is."""
@@ -80,7 +78,8 @@ class Picker:
                 return state
             known = "" if X_CO is None else f" well enough: its place is known to {1e3 * doubt:.0f} mm"
             return end(state, senses, "gave up", f"the object is not seen{known}")
-        X_WO = self._spoilt(X_WO) if self.error_believed else X_WO
+        if self.error_believed:
+            X_WO = self._spoilt(X_WO)
         try:
             plan = plan_grasp(
                 self.table, X_WO, senses.q, self.around, self.settings.errand, senses.motors, tried=state.tried
@@ -216,10 +215,8 @@ class Picker:
 
     def _placed(self, X_WO: np.ndarray, covariance: np.ndarray) -> tuple[np.ndarray, float]:
         """X_WO of what is seen there, and its standard deviation [m]; with the support's help where there is one."""
-        X_WO, support = (
-            unrolled(self.table.symmetry, X_WO if self.error_believed else self._spoilt(X_WO)),
-            self.around.support,
-        )
+        X_seen = X_WO if self.error_believed else self._spoilt(X_WO)
+        X_WO, support = unrolled(self.table.symmetry, X_seen), self.around.support
         up = way_up(self.table, X_WO)
         if not self.settings.settle or support is None or up is None:
             return X_WO, float(np.sqrt(np.trace(covariance)))
