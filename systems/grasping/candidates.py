@@ -80,15 +80,16 @@ def candidates(solid: Solid, up: np.ndarray, mass_centre: np.ndarray | None = No
     size = np.abs(X_WO[:3, :3]) @ (solid.high - solid.low)
     upright_round = len(solid.rounds) > 0 and abs(up[2]) > 0.5
     aside = np.zeros(3) if mass_centre is None else X_WO[:3, :3] @ mass_centre + X_WO[:3, 3]
-    for maker in (_from_above, _from_the_side):
-        for name, X_WG, shape in maker(solid, size, upright_round):
-            if maker is _from_above:
-                along, room = (
-                    X_WG[:3, 0],
-                    max(0.5 * np.abs(X_WG[:3, 0]) @ size - finger.SPREAD_AXIS - finger.RADIUS, 0.0),
-                )
-                X_WG = se3.pose(X_WG[:3, :3], X_WG[:3, 3] + np.clip(along @ aside, -room, room) * along)
-            yield Grasp(name=name, up=np.asarray(up, float), X_OG=se3.inverse(X_WO) @ X_WG, **shape)
+    above = ((name, _over(aside, size, X_WG), shape) for name, X_WG, shape in _from_above(solid, size, upright_round))
+    for name, X_WG, shape in (*above, *_from_the_side(solid, size, upright_round)):
+        yield Grasp(name=name, up=np.asarray(up, float), X_OG=se3.inverse(X_WO) @ X_WG, **shape)
+
+
+def _over(aside: np.ndarray, size: np.ndarray, X_WG: np.ndarray) -> np.ndarray:
+    """X_WG moved along the row of fingers 1 and 2 until ``aside`` (3,) is between them, as far as both stay on the object."""
+    along = X_WG[:3, 0]
+    room = max(0.5 * np.abs(along) @ size - finger.SPREAD_AXIS - finger.RADIUS, 0.0)
+    return se3.pose(X_WG[:3, :3], X_WG[:3, 3] + np.clip(along @ aside, -room, room) * along)
 
 
 def _from_above(solid: Solid, size: np.ndarray, round_: bool):
