@@ -69,7 +69,7 @@ def _price(
     gate = (GATE[name][0] + GATE[name][1] * dt + 60.0 * min(t.unseen, 0.5)) * u
     gap = max(0.0, _gap(r, labels, x, y, gate) - 0.3 * math.sqrt(t.area / math.pi))
     hidden = None if face is None else hand_before_face(r, face.head_height)
-    middle = r.centre if hidden is None else hidden
+    middle = (r.centre if hidden is None else hidden).tolist()
     centre = kalman.distance2(t.filter, *middle, SIGMA_N * u)
     inside = gap**2 / (t.filter.pp + (SIGMA_N * u) ** 2) + 3.0
     if min(centre, inside) >= GATE2 or min(gap, math.hypot(middle[0] - x, middle[1] - y)) >= gate:

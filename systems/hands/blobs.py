@@ -99,20 +99,38 @@ def hand_end(p: np.ndarray, expected, body: Body | None, motion: np.ndarray) -> 
     unit = length if body is None else body.head
 
     def price(end):
-        mine = p[((p - end) ** 2).sum(1) < reach**2].astype(int)
-        cost = -0.5 * motion[mine[:, 1], mine[:, 0]].mean() / 255.0
+        cost = -0.5 * _motion_about(p, *end, reach, motion) / 255.0
         if expected is not None:
             cost += 0.45 * np.hypot(*(end - expected)) / unit
         if body is None:
             return cost - _inside(end, motion.shape) / unit
         d = np.hypot(*(end - body.shoulder)) / unit
-        return cost + 0.8 * end[1] / unit + 0.8 * np.clip((0.7 - d) / 0.3, 0, 1) - 2.0 * body.beyond_elbow(end)
+        return cost + 0.8 * end[1] / unit + 0.8 * min(max((0.7 - d) / 0.3, 0.0), 1.0) - 2.0 * body.beyond_elbow(end)
 
     tip = a if price(a) < price(b) else b
     if expected is not None and length > 2.5 * unit and np.hypot(*(tip - expected)) > 2.5 * reach:
         tip = p[np.argmin(((p - expected) ** 2).sum(1))]  # a bent arm, or two: neither end is where the hand should be
-    hand = p[((p - tip) ** 2).sum(1) < reach**2]
-    return hand.mean(0), float(len(hand))
+    return _about(p, *tip, reach)
+
+
+@compiled
+def _about(p, x, y, reach):
+    """Centre (2,) of the points p (n, 2) within reach of x, y, and their number."""
+    across, down, n = 0.0, 0.0, 0
+    for k in range(len(p)):
+        if (p[k, 0] - x) ** 2 + (p[k, 1] - y) ** 2 < reach**2:
+            across, down, n = across + p[k, 0], down + p[k, 1], n + 1
+    return np.array([across / n, down / n]), float(n)
+
+
+@compiled
+def _motion_about(p, x, y, reach, motion):
+    """Mean of motion (h, w) at the points p (n, 2) within reach of x, y."""
+    total, n = 0.0, 0
+    for k in range(len(p)):
+        if (p[k, 0] - x) ** 2 + (p[k, 1] - y) ** 2 < reach**2:
+            total, n = total + motion[int(p[k, 1]), int(p[k, 0])], n + 1
+    return total / n
 
 
 def far_end(p: np.ndarray, expected: np.ndarray, body: Body) -> np.ndarray | None:
@@ -124,7 +142,7 @@ def far_end(p: np.ndarray, expected: np.ndarray, body: Body) -> np.ndarray | Non
     tips = [end for end in (a, b) if not body.is_elbow(end) and np.hypot(*(end - expected)) < 1.8 * reach]
     if len(tips) != 1:
         return None
-    return p[((p - tips[0]) ** 2).sum(1) < reach**2].mean(0)
+    return _about(p, *tips[0], reach)[0]
 
 
 def arm_at_head(p: np.ndarray, face: np.ndarray, head: float) -> np.ndarray | None:

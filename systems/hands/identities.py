@@ -88,7 +88,7 @@ def settle_sides(tracks: dict, order: float, dt: float, u: float) -> tuple[dict,
         return tracks, order
     crossed = any(t.met for t in hands.values()) and all(t.hits > YOUNG for t in hands.values())
     patience = ELBOWS if bare else MIND_SIDES * (3.0 if crossed else 1.0)
-    order = float(np.clip(order + dt * np.clip(apart / 10.0, -1.0, 1.0), -patience, 6.0))
+    order = float(min(max(order + dt * min(max(apart / 10.0, -1.0), 1.0), -patience), 6.0))
     if order > -patience:
         return tracks, order
     exchange = {"left": "right", "right": "left"}

@@ -39,7 +39,7 @@ def predict(k: Kalman, dt: float, sigma_w: float, damping: float = 0.0) -> Kalma
 
 def update(k: Kalman, x: float, y: float, sigma_n: float) -> Kalman:
     """Eq. (8), (9): the track after a region was seen at (x, y) [px] with noise sigma_n [px]."""
-    s = k.pp + sigma_n**2
+    x, y, s = float(x), float(y), float(k.pp + sigma_n**2)  # numpy's numbers are slow
     gain_p, gain_v = k.pp / s, k.pv / s
     dx, dy = x - k.x, y - k.y
     return Kalman(

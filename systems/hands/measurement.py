@@ -49,7 +49,7 @@ def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, 
         f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, noise)
         rate = 0.15
         slow = 2.0 if r.cut else 1.0 if r.area > 1.7 * area else 0.25  # s
-        look = t.headlike if r.remnant else t.headlike + (1 - np.exp(-dt / slow)) * (r.headlike - t.headlike)
+        look = t.headlike if r.remnant else t.headlike + (1 - math.exp(-dt / slow)) * (r.headlike - t.headlike)
         bare = name != "face" and area < 0.7 * r.area and not r.remnant
         elbow = 2.0 * r.centre - centre if bare else None
         out[name] = Track(

@@ -1,5 +1,6 @@
 """The three parts that are followed, and the track of one of them. Positions are pixels of the region labels."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +44,7 @@ class Track:
     @property
     def head_radius(self) -> float:
         """Half the width [px] of a head of this area; heads are 1.3 times as high as wide."""
-        return np.sqrt(self.area / np.pi / 1.3)
+        return math.sqrt(self.area / math.pi / 1.3)
 
     @property
     def head_height(self) -> float:

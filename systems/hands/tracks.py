@@ -53,7 +53,7 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     if regions.cut:
         belief = TracksBelief()
     u = unit(shape)
-    dt = float(np.clip(regions.time - belief.output.time, 1e-3, 0.5)) if belief.output.number >= 0 else 0.04
+    dt = min(max(regions.time - belief.output.time, 1e-3), 0.5) if belief.output.number >= 0 else 0.04
     v = u * _closeness(dict(belief.parts).get("face"), u)
     tracks = {name: _predict(name, t, dt, u if name == "face" else v, shape) for name, t in belief.parts}
     found = candidates(regions, tracks)
@@ -78,7 +78,7 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
 
 def _closeness(face: Track | None, u: float) -> float:
     """How many times nearer a person is than one whose hands move as the constants say: near the camera all moves by more pixels."""
-    return 1.0 if face is None else float(np.clip(face.head_radius / (USUAL_HEAD * u), 1.0, 2.5))
+    return 1.0 if face is None else min(max(face.head_radius / (USUAL_HEAD * u), 1.0), 2.5)
 
 
 def _predict(name: str, t: Track, dt: float, u: float, shape) -> Track:
