@@ -10,7 +10,7 @@ from pydrake.systems.framework import Context, Diagram
 from vipr.diagrams.pick_then_place import PickThenPlace
 from vipr.diagrams.workcell import JOINT_LIMITS, puma_with_hand
 from vipr.scenarios.pick import Pick, PickScenarioSettings, farthest_in_hand
-from vipr.scenarios.place_by_showing import BORDER, PlaceByShowing, PlaceSettings
+from vipr.scenarios.place_by_showing import PlaceByShowing, PlaceSettings, in_view
 from vipr.scenarios.placements import Placement, around
 from vipr.scenarios.scenario import Outcome
 from vipr.scenarios.servoing import WORKSPACE, joints_for
@@ -89,11 +89,7 @@ class PickAndPlace(Pick):
         plan = plan_grasp(self._table, placement.X_WO, placement.q, surroundings, self.settings.pick.errand)
         q, X_OG = plan.carry.end, plan.grasp.X_OG
         X_CO = se3.inverse(config.X_WC) @ puma_with_hand().tool_pose(q) @ se3.inverse(X_OG)
-        pixels = config.lens.project(self._cad.corners @ X_CO[:3, :3].T + X_CO[:3, 3])
-        if (
-            pixels.min() < BORDER
-            or (pixels.max(axis=0) > [config.lens.width - BORDER, config.lens.height - BORDER]).any()
-        ):
+        if not in_view(self._cad.corners @ X_CO[:3, :3].T + X_CO[:3, 3], config.lens):
             return False
         try:
             return bool(np.abs(joints_for(X_WO_goal @ X_OG, q) - q).max() < FARTHEST_TURN)

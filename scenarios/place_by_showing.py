@@ -25,6 +25,7 @@ from vipr.scenarios.settings import require_within
 from vipr.scenarios.shown_place import ShownPlace, load_shown_place
 from vipr.systems import se3
 from vipr.systems.arm import puma560
+from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import PlacementError
@@ -33,6 +34,12 @@ BRINGING, SHOWING = 1.6, 0.8  # s in which the object is brought to the shown pl
 BROUGHT_M, BROUGHT_DEG = 0.04, 25.0  # from where: the tracker sees it from several sides, as it does when it is placed
 LOOKS = 10  # frames at its end that are averaged, corners and picture
 BORDER = 20  # px that the corners keep from the image's border
+
+
+def in_view(points_C: np.ndarray, lens: Lens) -> bool:
+    """Whether points (n, 3) [m] before the camera are in its image, ``BORDER`` away from the rim."""
+    pixels = lens.project(points_C)
+    return bool((pixels >= BORDER).all() and (pixels <= [lens.width - BORDER, lens.height - BORDER]).all())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,8 +120,7 @@ class PlaceByShowing(ServoScenario):
             R = se3.exp_so3(turn * X_WC[:3, 1]) @ self.X_WO_shown[:3, :3]
             X_WO = se3.pose(R, self.X_WO_shown[:3, 3] + aside)
             X_CO = se3.inverse(X_WC) @ X_WO
-            pixels = lens.project(self.cad.corners @ X_CO[:3, :3].T + X_CO[:3, 3])
-            if pixels.min() < BORDER or (pixels.max(axis=0) > [lens.width - BORDER, lens.height - BORDER]).any():
+            if not in_view(self.cad.corners @ X_CO[:3, :3].T + X_CO[:3, 3], lens):
                 continue
             try:
                 return X_WO, joints_for(X_WO @ se3.inverse(self._X_EO), self._q_shown)
