@@ -60,14 +60,18 @@ def drawings(reels: list[Reel]) -> GestureTable:
 
 
 def halves(table: GestureTable, seed: int) -> np.ndarray:
-    """(N,) bool: half of each writer's examples of each letter, for training; the rest is the test."""
+    """(N,) bool: half of each writer's examples of each letter, for training; the rest is the test.
+
+    Of an odd number, the one left over goes to training for half of the letters, drawn by chance.
+    """
     rng, chosen = np.random.default_rng([seed, 3]), np.zeros(len(table), bool)
     names, group = np.unique(
         [f"{w}|{a}" for w, a in zip(table.writers, table.labels, strict=True)], return_inverse=True
     )
+    odd = rng.permutation(len(names)) % 2
     for g in range(len(names)):
         members = rng.permutation(np.flatnonzero(group == g))
-        chosen[members[: (len(members) + g % 2) // 2]] = True
+        chosen[members[: (len(members) + odd[g]) // 2]] = True
     return chosen
 
 
