@@ -14,11 +14,18 @@ BULGE = 0.15  # of the face: what moves beside the head in its region can be a h
 MOVING = 60  # of 255
 
 
-def cut_out_head(face: Track | None, found: list[Candidate], regions: SkinRegions, u: float, missing: bool = False):
+def cut_out_head(
+    face: Track | None,
+    found: list[Candidate],
+    regions: SkinRegions,
+    u: float,
+    missing: bool = False,
+    bare: bool = False,
+):
     """Labels and regions in which a region much larger than the head in it is divided into head and what is left of it.
 
     While a hand is ``missing``, a region that bulges is divided too: a hand that comes to the chin is in one region with the face at once.
-    So is one out of which an arm sticks: its hand is before the face.
+    So is one out of which an arm sticks, if arms have been seen ``bare``: its hand is before the face. (Of a covered arm it is the hand.)
     """
     if face is None or face.unseen > 0.2 or not found:
         return regions.labels, found
@@ -37,8 +44,8 @@ def cut_out_head(face: Track | None, found: list[Candidate], regions: SkinRegion
     beside = np.zeros(mask.shape, np.uint8)
     beside[y[away], x[away]] = 1
     smallest = max(8.0 * u * u, smallest_hand(face, 0.1, u))
-    pieces, arms = _pieces(beside, smallest), []
-    for piece in pieces:
+    arms = []
+    for piece in _pieces(beside, smallest) if bare else ():
         arm = arm_at_head(np.ascontiguousarray(np.argwhere(piece)[:, ::-1], float), face.position, face.head_height)
         if arm is not None:
             arms.append((piece, arm))

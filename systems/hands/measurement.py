@@ -50,11 +50,12 @@ def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, 
         rate = 0.15
         slow = 2.0 if r.cut else 1.0 if r.area > 1.7 * area else 0.25  # s
         look = t.headlike if r.remnant else t.headlike + (1 - math.exp(-dt / slow)) * (r.headlike - t.headlike)
-        bare = name != "face" and area < 0.7 * r.area and not r.remnant
-        elbow = 2.0 * r.centre - centre if bare else None
+        arm_seen = name != "face" and area < 0.7 * r.area and not r.remnant
+        elbow = 2.0 * r.centre - centre if arm_seen else None
+        bare = t.bare if r.remnant else t.bare + 0.1 * (arm_seen - t.bare)
         out[name] = Track(
             f, t.area + rate * (area - t.area), 0.0, t.hits + 1, look, max(r.moving, t.life * 0.5 ** (dt / LIFE)), met=t.met,
-            elbow=None if elbow is None else float(elbow[0]),
+            elbow=None if elbow is None else float(elbow[0]), bare=bare,
         )  # fmt: skip
     return out
 

@@ -34,6 +34,7 @@ class Track:
     shared: bool = False
     met: bool = False  # has it shared a region with the other hand
     elbow: float | None = None  # px, x of the other end of a bare arm
+    bare: float = 0.0  # 0 to 1, how often its arm has been seen bare of late
     crowded: float = 0.0  # s for which it has shared a region that is too small for all
 
     @property

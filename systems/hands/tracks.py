@@ -24,6 +24,7 @@ from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin.working_image import unit
 
 USUAL_HEAD = 8.0  # px, half the width of a head at 160 x 120, for which the noises of the parts are set
+BARE = 0.4  # share of the frames in which an arm was seen, from which sleeves are short
 CONFIRM = 2  # frames after which a new track is reported
 
 
@@ -61,7 +62,7 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     if face is not None:  # nor is a speck a hand
         tracks = {n: t for n, t in tracks.items() if t.area > smallest_hand(face, 0.14 if t.life < 0.15 else 0.07, u)}
     missing = any(name not in tracks or tracks[name].unseen > LOST_AFTER for name in ("left", "right"))
-    labels, found = cut_out_head(face, found, regions, u, missing)
+    labels, found = cut_out_head(face, found, regions, u, missing, any(t.bare > BARE for t in tracks.values()))
     choice = assign(tracks, found, labels, dt, v)
     tracks = measure(tracks, choice, found, labels, regions.motion, dt, v)
     free = [r for i, r in enumerate(found) if i not in choice.values()]
