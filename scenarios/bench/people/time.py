@@ -20,6 +20,7 @@ from vipr.systems.skin.classifier import SkinOptions
 SIZES = ((160, 120), (320, 240), (640, 480), (1280, 720))
 REDUCED = (1280, 720, "1280x720, reduced")  # as the chain does unless told otherwise
 WARM_UP = 10  # frames that are not timed
+ROUNDS = 3  # the best of which counts: what else the machine does only adds
 PAPER_MS = {"retrieval": 4.3, "segmentation": 0.6, "density": 2.1, "components": 2.1, "Kalman": 0.3}
 ROWS = (
     "retrieval", "segmentation", "density", "components", "Kalman", "light", "motion", "description", "learning", "tracking", "reduction",
@@ -27,7 +28,7 @@ ROWS = (
 
 
 def time_table(frames: int, progress) -> Table:
-    """Processor time [ms] a frame of each stage, median of frames of a rendered scene, worked at the full size given and reduced."""
+    """Processor time [ms] a frame of each stage, median of frames of a rendered scene, at the full size given and reduced."""
     columns = ("stage [ms a frame]", "paper, 160x120", *(f"{w}x{h}" for w, h in SIZES), REDUCED[2])
     cells: dict[str, list[float]] = {row: [] for row in (*ROWS, "total")}
     small = [image for image, _ in film(random_scene(1, seconds=frames / 25.0))]
@@ -37,25 +38,31 @@ def time_table(frames: int, progress) -> Table:
             image if (w, h) == (160, 120) else cv2.resize(image, (w, h), interpolation=cv2.INTER_CUBIC)
             for image in small
         ]
-        watch, options = _Stopwatch(), SkinOptions(working_area=float(area))
-        belief = PeopleBelief()
-        for k, image in enumerate(images):
-            watch.start()
-            belief = see_people(image, k / 25.0, k, belief, options, watch)
-            if k >= WARM_UP:
-                watch.end_of_frame()
-        watch.spent["retrieval"] = _retrieval(images)
-        watch.spent["Kalman"] = [_kalman_time() for _ in range(50)]
+        rounds = [_one_round(images, SkinOptions(working_area=float(area))) for _ in range(ROUNDS)]
         for row in ROWS:
-            cells[row].append(1e3 * _usual(watch.spent.get(row, [0.0])))
+            cells[row].append(1e3 * min(spent[row] for spent in rounds))
         cells["total"].append(sum(cells[row][-1] for row in ROWS if row != "Kalman"))
     rows = [(row, PAPER_MS.get(row, 9.4 if row == "total" else float("nan")), *cells[row]) for row in (*ROWS, "total")]
     note = (
-        "retrieval decodes H.264; segmentation is chromaticity and table; Kalman is three predictions and updates and part of tracking "
-        "(with assignment, merging, births); light, motion, description and learning are beyond the paper's chain. "
+        f"Median of the frames, the best of {ROUNDS} rounds. Retrieval decodes H.264; segmentation is chromaticity and table; Kalman is "
+        "three predictions and updates and part of tracking (with assignment, merging, births); light, motion, description and learning "
+        "are beyond the paper's chain. "
         + ("" if find_spec("mediapipe") else "MediaPipe is not installed: no comparison.")
     )
     return Table("Table I: processor time of each stage", columns, rows, note)
+
+
+def _one_round(images: list[np.ndarray], options: SkinOptions) -> dict[str, float]:
+    """Time [s] of each stage, as usual among the images."""
+    watch, belief = _Stopwatch(), PeopleBelief()
+    for k, image in enumerate(images):
+        watch.start()
+        belief = see_people(image, k / 25.0, k, belief, options, watch)
+        if k >= WARM_UP:
+            watch.end_of_frame()
+    watch.spent["retrieval"] = _retrieval(images)
+    watch.spent["Kalman"] = [_kalman_time() for _ in range(50)]
+    return {row: _usual(watch.spent.get(row, [0.0])) for row in ROWS}
 
 
 def _usual(spent: list[float]) -> float:
