@@ -41,16 +41,12 @@ def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, 
         else:
             centre, area = hand_of(r, labels, motion, expected, body_of(tracks, name))
         far = np.hypot(*(centre - expected)) > (GATE[name][0] + GATE[name][1] * dt) * u
-        noise = (
-            SIGMA_N
-            * u
-            * (HIDDEN if r.arm is not None else END_OF_ARM if name != "face" and area < 0.7 * r.area else 1.0)
-        )
-        f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, noise)
+        arm_seen = name != "face" and area < 0.7 * r.area and not r.remnant
+        doubt = HIDDEN if r.arm is not None else END_OF_ARM if name != "face" and area < 0.7 * r.area else 1.0
+        f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, SIGMA_N * u * doubt)
         rate = 0.15
         slow = 2.0 if r.cut else 1.0 if r.area > 1.7 * area else 0.25  # s
         look = t.headlike if r.remnant else t.headlike + (1 - math.exp(-dt / slow)) * (r.headlike - t.headlike)
-        arm_seen = name != "face" and area < 0.7 * r.area and not r.remnant
         elbow = 2.0 * r.centre - centre if arm_seen else None
         bare = t.bare if r.remnant else t.bare + 0.1 * (arm_seen - t.bare)
         out[name] = Track(

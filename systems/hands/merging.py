@@ -9,7 +9,7 @@ from vipr.systems.hands.blobs import Body, far_end, pixels_of, split
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.parts import SIGMA_N, Track
 
-COVERED = 30.0  # times the noise of a centre, of a face that shares its region
+COVERED = 30.0  # times the noise of a centre, of a face that shares its region, at 25 frames a second (less at fewer)
 
 
 def measure_shared(

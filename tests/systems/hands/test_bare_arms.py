@@ -8,9 +8,11 @@ import pytest
 
 from vipr.systems.hands.blobs import Body, arm_at_head, far_end
 from vipr.systems.hands.candidates import Candidate
+from vipr.systems.hands.head_cut import cut_out_head
 from vipr.systems.hands.identities import doubt_face, settle_sides
 from vipr.systems.hands.kalman import start
 from vipr.systems.hands.parts import Track, hand_before_face
+from vipr.systems.signals import SkinRegions
 
 FACE, HEAD = np.array([80.0, 30.0]), 20.0
 BODY = Body(shoulder=np.array([63.0, 48.0]), other=np.array([97.0, 48.0]), head=HEAD, face_area=240.0)
@@ -46,6 +48,19 @@ def test_an_arm_that_ends_at_the_head_has_its_hand_before_the_face():
 )
 def test_other_things_beside_a_head_are_no_arms_with_a_hidden_hand(piece):
     assert arm_at_head(piece, FACE, HEAD) is None
+
+
+def test_only_arms_that_have_been_seen_bare_are_told_from_hands_at_the_chin():
+    labels = np.zeros((120, 160), np.uint8)
+    cv2.ellipse(labels, (80, 30), (8, 10), 0, 0, 360, 1, -1)
+    cv2.line(labels, (80, 40), (74, 66), 1, 6)
+    regions = SkinRegions(labels=labels, motion=np.zeros_like(labels), size=(160, 120))
+    pixels = float(np.count_nonzero(labels))
+    whole = Candidate(0, FACE, pixels, np.array([72.0, 20.0, 17.0, 48.0]), np.array([80.0, 30.0, 8.0]), 0.9, 0.6)
+    face = Track(start(80.0, 30.0, 0.8, 20.0), 260.0, hits=40, headlike=0.6)
+    for bare in (True, False):
+        found = cut_out_head(face, [whole], regions, 1.0, bare=bare)[1]
+        assert any(r.arm is not None for r in found) == bare
 
 
 def test_of_crossed_bare_arms_the_ends_are_the_hands():
