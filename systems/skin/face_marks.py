@@ -82,7 +82,9 @@ def _marks(luma, core, width, shift, cells, shares, begins, weights):
         contrast /= spread
         agreed += weights[k] * min(max(2.0 * contrast, -1.0), 1.0)
     symmetry = (patch * patch[:, ::-1]).mean() / spread**2
-    return agreed * (0.3 + 0.7 * min(max(symmetry / 0.6, 0.0), 1.0))
+    return agreed * min(
+        0.5 + 0.5 * symmetry, 0.3 + 1.17 * max(symmetry, 0.0)
+    )  # what is hardly symmetric is hardly a face
 
 
 @compiled
