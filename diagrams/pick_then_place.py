@@ -42,6 +42,7 @@ class PickThenPlace(Diagram):
                                    └──▶ ┌───────┐ V_WE_W, servo_error, status │           │
                                         │ servo │────────────────────────────▶└───────────┘
                                         └───────┘
+
     Schedule: pick and hand-over every ``period`` from ``offset``, the servo every ``servo_period`` from ``servo_offset`` [s], after the
     tracker. Frames: W world, C camera, O object, E hand. ``place`` is where the object shall go; the servo takes the object to be in the
     hand from the first, which is true once it may move the arm. The hand goes on holding as the pick left it.

@@ -109,12 +109,11 @@ class ServoRobot(Diagram):
         truth    |0 keeps the truth of the exposure, 38 compares
 
     Frames: W world, C camera, O object, E hand (see ``Workcell``). ``task`` says what is to be done, with the camera where the robot
-    believes it to be; ``lens`` is the lens it believes in (the real one if not given), ``views`` are pictures of
-    the object whose poses it knows. The arm is never faster than it can stop in
-    ``stopping_time`` [s]: when the target is lost, it begins to brake 2 ms after the servo's tick. ``judge`` compares with the truth:
-    AlignmentError or PlacementError. ``tracking_error`` and ``alignment_error`` are against truth (see ``systems.truth``) and reach no
-    controller. ``picture`` is the frame with the tracked edges drawn in. ``stages`` puts others in the place of some of ``STAGES``: makers
-    called with the same arguments, whose systems have the same ports.
+    believes it to be; ``lens`` is the lens it believes in (the real one if not given), ``views`` are pictures of the object whose poses it
+    knows. The arm is never faster than it can stop in ``stopping_time`` [s]: when the target is lost, it begins to brake 2 ms after the
+    servo's tick. ``judge`` compares with the truth: AlignmentError or PlacementError. ``tracking_error`` and ``alignment_error`` are
+    against truth (see ``systems.truth``) and reach no controller. ``picture`` is the frame with the tracked edges drawn in. ``stages`` puts
+    others in the place of some of ``STAGES``: makers called with the same arguments, whose systems have the same ports.
     """
 
     def __init__(
@@ -150,7 +149,7 @@ class ServoRobot(Diagram):
             lens,
             X_CO_initial=X_CO_initial,
             settings=tracker,
-            **({"views": views} if views else {}),
+            **({"views": views} if views else {}),  # asked only of a tracker that has some to take
             period=period,
             offset=schedule.tracker_offset,
         )

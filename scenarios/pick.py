@@ -116,9 +116,14 @@ class Pick(Scenario):
         self._pose_error = error
         self._X_CO_initial = se3.pose(R_error @ X_CO[:3, :3], X_CO[:3, 3] + _direction(rng) * 1e-3 * s.initial_error_mm)
 
+    @property
+    def place_given(self) -> bool:
+        """Whether the settings say where the object is put; else the seed chooses."""
+        return self.settings.place_m is not None or self.settings.yaw_deg is not None
+
     def _place(self, rng: np.random.Generator) -> Placement:
         s, errand = self.settings, self.settings.pick.errand
-        if s.place_m is None and s.yaw_deg is None:
+        if not self.place_given:
             return random_placement(self._table, self._cad, JOINT_LIMITS, errand, s.lie, rng)
         up = ways_to_lie(self._table, self._cad, s.lie)[0]
         x, y = s.place_m or (0.0, 0.0)

@@ -72,7 +72,7 @@ class PickAndPlace(Pick):
         super().__init__(settings, seed)
 
     def _place(self, rng: np.random.Generator) -> Placement:
-        for _ in range(60):
+        for _ in range(1 if self.place_given else 60):
             placement = super()._place(rng)
             if self._can_go(placement):
                 return placement
