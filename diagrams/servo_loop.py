@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import Adder, Linearize, MatrixGain
+from pydrake.systems.primitives import Adder, Demultiplexer, Linearize, MatrixGain
 
 from vipr.diagrams.servo_robot import Schedule
 from vipr.diagrams.workcell import DAMPING, STIFFNESS, nominal_arm
@@ -14,30 +14,32 @@ from vipr.systems.servo.analysis import ArmResponse, SampledLoop
 
 
 def arm_response(q: np.ndarray) -> ArmResponse:
-    """How the arm, with its hand and its joint servo, follows set-points near q (6,) [rad]: Drake's linearisation of the plant.
+    """How the arm, with its hand and its joint servo, follows a reference near q (6,) [rad]: Drake's linearisation of the plant.
 
-    The loop is that of ``Workcell``: a PD controller in each joint and gravity compensation, on rotor and link inertia and viscous
-    friction; encoder steps and the plant's own time step (2 ms) are left out.
+    The loop is that of ``Workcell``: a PD controller in each joint about a reference, and the torques that the reference takes, on rotor
+    and link inertia and viscous friction; encoder steps and the plant's own time step (2 ms) are left out.
     """
     builder = DiagramBuilder()
     plant = builder.AddSystem(nominal_arm())
+    n = len(STIFFNESS)
     gains = np.hstack([np.diag(STIFFNESS), np.diag(DAMPING)])
+    reference = builder.AddSystem(Demultiplexer([2 * n, n]))
     servo, back = builder.AddSystem(MatrixGain(gains)), builder.AddSystem(MatrixGain(-gains))
-    gravity = builder.AddSystem(InverseDynamics(plant, InverseDynamics.InverseDynamicsMode.kGravityCompensation))
-    torque = builder.AddSystem(Adder(3, len(STIFFNESS)))
+    dynamics, torque = builder.AddSystem(InverseDynamics(plant)), builder.AddSystem(Adder(3, n))
     state = plant.get_state_output_port()
+    builder.Connect(reference.get_output_port(0), servo.get_input_port())
+    builder.Connect(reference.get_output_port(0), dynamics.get_input_port_estimated_state())
+    builder.Connect(reference.get_output_port(1), dynamics.get_input_port_desired_acceleration())
     builder.Connect(state, back.get_input_port())
-    builder.Connect(state, gravity.get_input_port_estimated_state())
-    for k, part in enumerate((servo, back, gravity)):
-        builder.Connect(part.get_output_port(), torque.get_input_port(k))
+    for k, part in enumerate((servo.get_output_port(), back.get_output_port(), dynamics.get_output_port())):
+        builder.Connect(part, torque.get_input_port(k))
     builder.Connect(torque.get_output_port(), plant.get_actuation_input_port())
-    builder.ExportInput(servo.get_input_port(), "desired_state")
+    builder.ExportInput(reference.get_input_port(), "reference")
     builder.ExportOutput(state, "state")
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
-    rest = np.concatenate([q, np.zeros(6)])
-    context.SetContinuousState(rest)
-    diagram.get_input_port().FixValue(context, rest)
+    context.SetContinuousState(np.concatenate([q, np.zeros(n)]))
+    diagram.get_input_port().FixValue(context, np.concatenate([q, np.zeros(2 * n)]))
     linear = Linearize(diagram, context)
     return ArmResponse(linear.A(), linear.B())
 
@@ -60,4 +62,5 @@ def workcell_loop(
         camera=schedule.camera,
         arm=schedule.arm,
         arm_offset=schedule.arm_offset,
+        smooth=True,
     )

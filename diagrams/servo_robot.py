@@ -26,7 +26,7 @@ from vipr.systems.truth import TrackingError
 
 STAGES: Mapping[str, Maker] = {"tracker": ModelTracker, "servo": VisualServo, "arm": ArmCommander}
 # s, to bring the arm to rest in: its set-points stand within 80 ms of the first exposure that shows no target.
-STOPPING_TIME = 0.06
+STOPPING_TIME = 0.05
 
 
 @dataclass(frozen=True)

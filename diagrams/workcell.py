@@ -18,6 +18,7 @@ from vipr.systems.arm.guard import CollisionGuard
 from vipr.systems.arm.kinematics import SerialArm
 from vipr.systems.arm.puma_body import hand_guard
 from vipr.systems.arm.resolved_rate import JointLimits
+from vipr.systems.arm.set_points import SetPointInterpolator
 from vipr.systems.arm.shapes import Shape, box, cylinder
 from vipr.systems.camera.camera import Camera
 from vipr.systems.camera.imperfections import Imperfection
@@ -37,7 +38,8 @@ STAGE_TRAVEL = np.array([0.20, 0.15, np.pi])  # m, m, rad: each way
 # Joint servo: stiff in the first three joints; damping against the inertia of rotor and links (N m/rad, N m s/rad).
 STIFFNESS = np.array([4000.0, 4000.0, 3000.0, 400.0, 400.0, 400.0])
 DAMPING = 1.8 * np.sqrt(STIFFNESS * np.maximum(0.3, puma560.REFLECTED_INERTIA))
-ACCELERATION = np.array([4.0, 4.0, 6.0, 12.0, 12.0, 12.0])  # rad/s^2, of the set-points: a smooth start for the servo
+# rad/s^2, of the set-points. All joints at once at these and at the servo's speeds take 53 % of a joint's effort limit at most, anywhere.
+ACCELERATION = np.array([5.0, 5.0, 7.5, 15.0, 15.0, 15.0])
 JOINT_LIMITS = JointLimits(puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION)
 ARM_COUNT = 2 * np.pi / (1000 * np.abs(puma560.GEAR_RATIO))  # rad, encoders of 1000 counts a motor turn
 HAND_COUNT = 2 * np.pi / (360 * np.array([17.5, 125, 375, 17.5, 125, 375, 125, 375]))  # rad, 360 counts a motor turn
@@ -149,9 +151,9 @@ class Workcell(Diagram):
 
     ::
 
-        arm_desired_state ───────────────▶ plant ──▶ encoders ─────┬──▶ joint_state
-                  gravity_compensation ──▶   │                     │
-                          ▲──────────────────┼─────────────────────┘
+        arm_desired_state ─▶ set_points ─▶ plant ──▶ encoders ──▶ joint_state
+                  │                ▲         │
+                  └─▶ inverse_dynamics       │
         motor_command, torque_limit          │
                     ──▶ hand_driver ─────▶   ├─▶ hand_encoders ─▶ hand_driver ─▶ motor_position, motor_torque, finger_torque, clutch
         stage_desired_state ─────────────▶   ├─▶ truth ─▶ X_WO_true, X_WE_true, X_CO_true
@@ -164,8 +166,8 @@ class Workcell(Diagram):
     (it does if this is left unconnected), ``stage_desired_state`` (6) [x, y, yaw; rates] of the stage. ``frame`` is the camera's,
     ``joint_state`` (12) the encoders' [q; qdot]; the hand's outputs are its driver's.
 
-    The joint servo is a PD controller in each joint with gravity compensation from a nominal model of arm and hand, fed by the encoders.
-    Coulomb friction is not simulated; viscous friction and rotor inertia are.
+    The joint servo is a PD controller in each joint about a motion through the set-points (``SetPointInterpolator``), with the torques
+    that this motion takes by a nominal model of arm and hand. Coulomb friction is not simulated; viscous friction and rotor inertia are.
     """
 
     def __init__(self, config: WorkcellConfig):
@@ -189,10 +191,10 @@ class Workcell(Diagram):
 
         encoders = builder.AddNamedSystem("encoders", JointEncoders(ARM_COUNT))
         self._nominal = nominal_arm()  # InverseDynamics keeps only a pointer to it
-        gravity = builder.AddNamedSystem(
-            "gravity_compensation",
-            InverseDynamics(self._nominal, InverseDynamics.InverseDynamicsMode.kGravityCompensation),
+        set_points = builder.AddNamedSystem(
+            "set_points", SetPointInterpolator(config.q_initial, period=config.time_step)
         )
+        dynamics = builder.AddNamedSystem("inverse_dynamics", InverseDynamics(self._nominal))
         hand_encoders = builder.AddNamedSystem("hand_encoders", JointEncoders(HAND_COUNT))
         hand_driver = builder.AddNamedSystem("hand_driver", HandDriver(config.drives))
         X_WC = RigidTransform(config.X_WC)
@@ -217,8 +219,10 @@ class Workcell(Diagram):
 
         for writer, reader in (
             (plant.get_state_output_port(puma), encoders.GetInputPort("state")),
-            (encoders.GetOutputPort("joint_state"), gravity.get_input_port_estimated_state()),
-            (gravity.get_output_port(), plant.get_actuation_input_port(puma)),
+            (set_points.GetOutputPort("desired_state"), plant.get_desired_state_input_port(puma)),
+            (set_points.GetOutputPort("desired_state"), dynamics.get_input_port_estimated_state()),
+            (set_points.GetOutputPort("desired_acceleration"), dynamics.get_input_port_desired_acceleration()),
+            (dynamics.get_output_port_generalized_force(), plant.get_actuation_input_port(puma)),
             (plant.get_state_output_port(hand), hand_encoders.GetInputPort("state")),
             (hand_encoders.GetOutputPort("joint_state"), hand_driver.GetInputPort("hand_state")),
             (plant.get_net_actuation_output_port(hand), hand_driver.GetInputPort("joint_torque")),
@@ -228,7 +232,7 @@ class Workcell(Diagram):
             (plant.get_body_poses_output_port(), truth.GetInputPort("body_poses")),
         ):
             builder.Connect(writer, reader)
-        builder.ExportInput(plant.get_desired_state_input_port(puma), "arm_desired_state")
+        builder.ExportInput(set_points.GetInputPort("set_points"), "arm_desired_state")
         for name in ("motor_command", "torque_limit"):
             builder.ExportInput(hand_driver.GetInputPort(name), name)
         builder.ExportInput(camera.GetInputPort("watching"), "watching")

@@ -22,6 +22,8 @@ servo       pose_delay.PoseDelay         object_pose -> delayed_pose            
 servo       controller.VisualServo       object_pose, hand_pose, joint_state -> V_WE_W, servo_error,   25 Hz
                                          status
 arm         commander.ArmCommander       V_WE_W, motor_position -> desired_state, limited_by, status   100 Hz
+arm         set_points                   set_points -> desired_state, desired_acceleration             500 Hz
+            .SetPointInterpolator
 arm         limit_use.LimitUse           desired_state -> limit_use                                    100 Hz
 arm         encoders.JointEncoders       state -> joint_state                                          none held
 hand        driver.HandDriver            motor_command, torque_limit, hand_state, joint_torque ->      200 Hz

@@ -88,7 +88,7 @@ def _limits(quick: bool, seed: int) -> Table:
 
 
 def _stopping(quick: bool, seed: int) -> Table:
-    return stopping(2 if quick else 10, seed)
+    return stopping(2 if quick else 30, seed)
 
 
 def _time(quick: bool, seed: int) -> Table:

@@ -12,7 +12,8 @@ PEAK_SPEED, PEAK_ACCELERATION = (
     1.875,
     5.774,
 )  # of the time law s = 10 u^3 - 15 u^4 + 6 u^5, per second and per second squared
-SHARE = 0.7  # of the joints' limits that a path uses: the rest is for the loop around it
+# Of the joints' limits, what a path uses: the rest is for the loop around it, and for what the hand holds by friction.
+SPEED_SHARE, ACCELERATION_SHARE = 0.7, 0.56
 SHORTEST = 0.3  # s
 
 
@@ -55,7 +56,7 @@ class JointPath:
 def joint_path(points: np.ndarray, limits: JointLimits, length: float = 0.0, speed: float = np.inf) -> JointPath:
     """The path through points (m, n) [rad], m >= 2, at even steps of s, whose tool goes ``length`` [m] at no more than ``speed`` [m/s].
 
-    The duration is the shortest in which no joint exceeds ``SHARE`` of its speed or acceleration.
+    The duration is the shortest in which no joint exceeds its share of its speed or acceleration.
     """
     points = np.asarray(points, float)
     if len(points) < 2 or not np.isfinite(points).all():
@@ -63,9 +64,9 @@ def joint_path(points: np.ndarray, limits: JointLimits, length: float = 0.0, spe
     curve = CubicSpline(np.linspace(0.0, 1.0, len(points)), points, axis=0, bc_type="natural")
     s = np.linspace(0.0, 1.0, 4 * len(points))
     slope, bend = np.abs(curve(s, 1)), np.abs(curve(s, 2))
-    by_speed = np.max(slope / (SHARE * limits.speed)) * PEAK_SPEED
+    by_speed = np.max(slope / (SPEED_SHARE * limits.speed)) * PEAK_SPEED
     # |q''| <= |dq/ds| peak / T^2 + |d2q/ds2| (peak speed / T)^2
     by_acceleration = np.sqrt(
-        np.max((slope * PEAK_ACCELERATION + bend * PEAK_SPEED**2) / (SHARE * limits.acceleration))
+        np.max((slope * PEAK_ACCELERATION + bend * PEAK_SPEED**2) / (ACCELERATION_SHARE * limits.acceleration))
     )
     return JointPath(curve, float(max(by_speed, by_acceleration, PEAK_SPEED * length / speed, SHORTEST)))

@@ -24,16 +24,16 @@ SETTLED = 0.02  # of the start
 
 @dataclass(frozen=True, eq=False)
 class ArmResponse:
-    """The joint servo near the goal: x' = A x + B u with x = [q; qdot] (2n), u = [q; qdot] of the set-points, as deviations."""
+    """The joint servo near the goal: x' = A x + B u with x = [q; qdot] (2n), u = [q; qdot; qddot] of its reference, as deviations."""
 
     A: np.ndarray  # (2n, 2n)
-    B: np.ndarray  # (2n, 2n)
+    B: np.ndarray  # (2n, 3n)
 
     @classmethod
     def second_order(cls, frequency: float = 35.0, damping: float = 0.7) -> "ArmResponse":
-        """One joint whose servo has the natural frequency [rad/s] and damping ratio."""
+        """One joint whose servo has the natural frequency [rad/s] and damping ratio, and knows nothing of the acceleration."""
         k, c = frequency**2, 2.0 * damping * frequency
-        return cls(np.array([[0.0, 1.0], [-k, -c]]), np.array([[0.0, 0.0], [k, c]]))
+        return cls(np.array([[0.0, 1.0], [-k, -c]]), np.array([[0.0, 0.0, 0.0], [k, c, 0.0]]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +46,7 @@ class SampledLoop:
     camera: float = 0.04  # s, period of exposures and of the servo
     arm: float = 0.01  # s, period of the set-points; divides the camera's
     arm_offset: float = 0.004  # s
+    smooth: bool = False  # the servo's reference comes from one set-point's rate to the next at constant acceleration; else at once
 
     def __post_init__(self):
         if self.use not in ("delayed", "predicted"):
@@ -73,8 +74,8 @@ class SampledLoop:
 
     @property
     def size(self) -> int:
-        """Length of the state: [q, qdot, set-point q, set-point qdot, wanted rates, errors seen (newest first)]."""
-        return self.joints * (6 + self._pictures)
+        """Length of the state: [q, qdot; q, qdot, qddot of the reference; wanted rates; errors seen (newest first)]."""
+        return self.joints * (7 + self._pictures)
 
     @cached_property
     def _events(self) -> list[tuple[float, str]]:
@@ -103,11 +104,13 @@ class SampledLoop:
 
     def flow(self, duration: float) -> np.ndarray:
         """The state after so long [s] without an event: the joints move, everything else is held."""
-        n2 = 2 * self.joints
-        F = np.zeros((2 * n2, 2 * n2))
-        F[:n2, :n2], F[:n2, n2:] = self.arm_response.A, self.arm_response.B
+        n, one = self.joints, np.eye(self.joints)
+        F = np.zeros((5 * n, 5 * n))
+        F[: 2 * n, : 2 * n], F[: 2 * n, 2 * n :] = self.arm_response.A, self.arm_response.B
+        if self.smooth:
+            F[self._part(2), self._part(3)] = F[self._part(3), self._part(4)] = one
         M = np.eye(self.size)
-        M[: 2 * n2, : 2 * n2] = expm(F * duration)
+        M[: 5 * n, : 5 * n] = expm(F * duration)
         return M
 
     def _part(self, k: int) -> slice:
@@ -116,24 +119,28 @@ class SampledLoop:
     @cached_property
     def _expose(self) -> np.ndarray:
         M, one = np.eye(self.size), np.eye(self.joints)
-        M[5 * self.joints :] = 0.0
-        M[self._part(5), self._part(0)] = one
+        M[6 * self.joints :] = 0.0
+        M[self._part(6), self._part(0)] = one
         for k in range(self._pictures):
-            M[self._part(6 + k), self._part(5 + k)] = one
+            M[self._part(7 + k), self._part(6 + k)] = one
         return M
 
     @cached_property
     def _set_point(self) -> np.ndarray:
         M, one = np.eye(self.size), np.eye(self.joints)
-        M[self._part(2), self._part(4)] = self.arm * one
-        M[self._part(3), self._part(3)], M[self._part(3), self._part(4)] = 0.0, one
+        M[self._part(4)] = 0.0
+        if self.smooth:  # the rate is that of the last set-point now, and this one's when the next comes
+            M[self._part(4), self._part(5)], M[self._part(4), self._part(3)] = one / self.arm, -one / self.arm
+        else:
+            M[self._part(2), self._part(5)] = self.arm * one
+            M[self._part(3), self._part(3)], M[self._part(3), self._part(5)] = 0.0, one
         return M
 
     def _answer(self, gain: float) -> np.ndarray:
         M = np.eye(self.size)
-        M[self._part(4)] = 0.0
-        seen = 0 if self.use == "predicted" else 5 + self._pictures
-        M[self._part(4), self._part(seen)] = -gain * np.eye(self.joints)
+        M[self._part(5)] = 0.0
+        seen = 0 if self.use == "predicted" else 6 + self._pictures
+        M[self._part(5), self._part(seen)] = -gain * np.eye(self.joints)
         return M
 
 

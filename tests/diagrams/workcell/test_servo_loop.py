@@ -134,7 +134,7 @@ def test_the_step_of_a_servo_that_does_not_predict_is_the_predicted_one_with_its
 def test_the_linear_arm_comes_to_rest_at_its_set_points_and_is_stable():
     response = arm_response(GOAL)
     assert np.linalg.eigvals(response.A).real.max() < -5.0
-    rest = np.linalg.solve(response.A, -response.B @ np.concatenate([np.ones(6), np.zeros(6)]))
+    rest = np.linalg.solve(response.A, -response.B @ np.concatenate([np.ones(6), np.zeros(12)]))
     assert np.allclose(rest, np.concatenate([np.ones(6), np.zeros(6)]), atol=0.01)
 
 

@@ -9,6 +9,7 @@ from vipr.systems.arm.limit_use import LimitUse
 from vipr.systems.arm.puma560 import WRIST as ARM
 from vipr.systems.arm.puma_body import hand_guard
 from vipr.systems.arm.resolved_rate import JointLimits
+from vipr.systems.arm.set_points import SetPointInterpolator
 from vipr.systems.arm.shapes import box
 
 LIMITS = JointLimits(lower=np.full(6, -3.0), upper=np.full(6, 3.0), speed=np.full(6, 1.5), acceleration=np.full(6, 8.0))
@@ -36,4 +37,14 @@ def limit_use():
     return system, lambda context, t: system.get_input_port().FixValue(context, 0.1 * np.sin(np.arange(12) + t))
 
 
-EXAMPLES = {LimitUse: limit_use, ArmCommander: commander, JointEncoders: encoders}
+def interpolator():
+    system = SetPointInterpolator(Q)
+    return system, lambda context, t: system.get_input_port().FixValue(context, 0.1 * np.sin(np.arange(12) + t))
+
+
+EXAMPLES = {
+    LimitUse: limit_use,
+    ArmCommander: commander,
+    JointEncoders: encoders,
+    SetPointInterpolator: interpolator,
+}

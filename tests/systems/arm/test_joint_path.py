@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vipr.systems.arm.joint_path import SHARE, joint_path
+from vipr.systems.arm.joint_path import ACCELERATION_SHARE, SPEED_SHARE, joint_path
 from vipr.systems.arm.resolved_rate import JointLimits
 from vipr.systems.errors import InputError
 
@@ -16,8 +16,8 @@ def test_speeds_and_accelerations_stay_within_their_share():
     times = np.linspace(0.0, path.duration, 2000)
     rates = np.array([path.at(t)[1] for t in times])
     accelerations = np.diff(rates, axis=0) / (times[1] - times[0])
-    assert (np.abs(rates).max(0) <= SHARE * LIMITS.speed * 1.001).all()
-    assert (np.abs(accelerations).max(0) <= SHARE * LIMITS.acceleration * 1.01).all()
+    assert (np.abs(rates).max(0) <= SPEED_SHARE * LIMITS.speed * 1.001).all()
+    assert (np.abs(accelerations).max(0) <= ACCELERATION_SHARE * LIMITS.acceleration * 1.01).all()
 
 
 def test_rates_are_those_of_the_angles_and_the_ends_are_at_rest():
