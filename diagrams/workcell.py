@@ -41,6 +41,7 @@ DAMPING = 1.8 * np.sqrt(STIFFNESS * np.maximum(0.3, puma560.REFLECTED_INERTIA))
 # rad/s^2, of the set-points. All joints at once at these and at the servo's speeds take 53 % of a joint's effort limit at most, anywhere.
 ACCELERATION = np.array([5.0, 5.0, 7.5, 15.0, 15.0, 15.0])
 JOINT_LIMITS = JointLimits(puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION)
+SET_POINTS = 0.01  # s, their period, which the joint servo is made for
 ARM_COUNT = 2 * np.pi / (1000 * np.abs(puma560.GEAR_RATIO))  # rad, encoders of 1000 counts a motor turn
 HAND_COUNT = 2 * np.pi / (360 * np.array([17.5, 125, 375, 17.5, 125, 375, 125, 375]))  # rad, 360 counts a motor turn
 
@@ -161,10 +162,10 @@ class Workcell(Diagram):
         watching ─────────────────────────────────────────────────────▶
 
     Frames: W world, on the floor at the arm's foot, x ahead, z up; C camera; O object; E hand (the hand's ``grasp`` frame).
-    ``arm_desired_state`` (12) is [q; qdot] of the joint servo [rad, rad/s], ``motor_command`` (4) the angles of the hand [rad],
-    ``torque_limit`` (4) those at which its motors stop [N m] (may be left unconnected), ``watching`` (1) whether the camera takes pictures
-    (it does if this is left unconnected), ``stage_desired_state`` (6) [x, y, yaw; rates] of the stage. ``frame`` is the camera's,
-    ``joint_state`` (12) the encoders' [q; qdot]; the hand's outputs are its driver's.
+    ``arm_desired_state`` (12) is [q; qdot] of the joint servo [rad, rad/s], new every 10 ms, ``motor_command`` (4) the angles of the hand
+    [rad], ``torque_limit`` (4) those at which its motors stop [N m] (may be left unconnected), ``watching`` (1) whether the camera takes
+    pictures (it does if this is left unconnected), ``stage_desired_state`` (6) [x, y, yaw; rates] of the stage. ``frame`` is the
+    camera's, ``joint_state`` (12) the encoders' [q; qdot]; the hand's outputs are its driver's.
 
     The joint servo is a PD controller in each joint about a motion through the set-points (``SetPointInterpolator``), with the torques
     that this motion takes by a nominal model of arm and hand. Coulomb friction is not simulated; viscous friction and rotor inertia are.
@@ -191,9 +192,8 @@ class Workcell(Diagram):
 
         encoders = builder.AddNamedSystem("encoders", JointEncoders(ARM_COUNT))
         self._nominal = nominal_arm()  # InverseDynamics keeps only a pointer to it
-        set_points = builder.AddNamedSystem(
-            "set_points", SetPointInterpolator(config.q_initial, period=config.time_step)
-        )
+        steps = int(np.ceil(SET_POINTS / config.time_step - 1e-9))
+        set_points = builder.AddNamedSystem("set_points", SetPointInterpolator(config.q_initial, SET_POINTS, steps))
         dynamics = builder.AddNamedSystem("inverse_dynamics", InverseDynamics(self._nominal))
         hand_encoders = builder.AddNamedSystem("hand_encoders", JointEncoders(HAND_COUNT))
         hand_driver = builder.AddNamedSystem("hand_driver", HandDriver(config.drives))

@@ -18,27 +18,24 @@ class SetPointInterpolator(LeafSystem):
         - desired_state
         - desired_acceleration
 
-    ``set_points`` (2n) is [q; qdot] of n joints [rad, rad/s], new every ``set_point_period`` [s], q to be reached at qdot when the next
-    ones come. ``desired_state`` (2n) and ``desired_acceleration`` (n) [rad/s^2] are the motion through them, new every ``period``: the
-    rates are the mean of the set-points' over one of their periods, the angles are the mean twice over, so that they are the integral
-    of the rates. A motion that ends, ends one period after the set-points do, exactly at the last. The outputs depend on the
-    set-points of now; those before are held, and were ``q_initial`` (n) [rad] at rest.
+    ``set_points`` (2n) is [q; qdot] of n joints [rad, rad/s], new every ``period`` [s], q to be reached at qdot when the next ones
+    come. ``desired_state`` (2n) and ``desired_acceleration`` (n) [rad/s^2] are the motion through them, in so many ``steps`` a period:
+    the rates are the mean of the set-points' over one period, the angles are the mean twice over, so that they are the integral of the
+    rates. A motion that ends, ends one period after the set-points do, exactly at the last. The outputs depend on the set-points of
+    now; those before are held, and were ``q_initial`` (n) [rad] at rest.
     """
 
-    def __init__(self, q_initial: np.ndarray, set_point_period: float = 0.01, period: float = 0.002):
+    def __init__(self, q_initial: np.ndarray, period: float = 0.01, steps: int = 5):
         super().__init__()
-        count = set_point_period / period
-        if not 1 <= round(count) or abs(count - round(count)) > 1e-6:
-            raise InputError(
-                f"set-points: their period must be a multiple of {period:g} s, that of the motion, got {set_point_period:g} s"
-            )
-        self._count, self._period, self._n = round(count), set_point_period, len(q_initial)
+        if not (period > 0 and steps >= 1):
+            raise InputError(f"set-points: need a period above 0 s and a step or more, got {period:g} s and {steps}")
+        self._count, self._period, self._n = steps, period, len(q_initial)
         box = np.full(self._count, 1.0 / self._count)
         self._twice = np.convolve(box, box)  # weights of the set-points, newest first
         start = np.concatenate([q_initial, np.zeros(self._n)])
         self._in = self.DeclareVectorInputPort("set_points", 2 * self._n)
         before = self.DeclareDiscreteState(np.tile(start, len(self._twice) - 1 or 1))
-        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+        self.DeclarePeriodicDiscreteUpdateEvent(period / steps, 0.0, self._update)
         needed = {self._in.ticket(), self.discrete_state_ticket(before)}
         self.DeclareVectorOutputPort("desired_state", BasicVector(2 * self._n), self._calc_state, needed)
         self.DeclareVectorOutputPort("desired_acceleration", BasicVector(self._n), self._calc_acceleration, needed)

@@ -63,6 +63,6 @@ def test_the_motion_ends_at_the_last_set_point_a_period_after_it(motion):
     assert np.allclose(q[after:], Q0 + PERIOD * RATES.sum(), atol=1e-9)
 
 
-def test_a_period_that_is_no_multiple_is_refused():
-    with pytest.raises(InputError, match=r"must be a multiple of 0\.002 s, that of the motion, got 0\.005 s"):
-        SetPointInterpolator(np.zeros(6), set_point_period=0.005)
+def test_a_motion_without_steps_is_refused():
+    with pytest.raises(InputError, match=r"need a period above 0 s and a step or more, got 0\.01 s and 0"):
+        SetPointInterpolator(np.zeros(6), steps=0)
