@@ -12,6 +12,7 @@ from vipr.scenarios.place_by_showing import PlaceByShowing
 from vipr.scenarios.run import run_scenario
 from vipr.scenarios.settings import load_settings
 from vipr.scenarios.shown_place import save_shown_place
+from vipr.scenarios.workers import in_processes
 
 SERVOS = ("position_based", "image_based", "hybrid")
 FIGURES = ("final_translation_error_mm", "final_rotation_error_deg")
@@ -19,20 +20,14 @@ FIGURES = ("final_translation_error_mm", "final_rotation_error_deg")
 
 def run(bench: Bench) -> Iterator[Table]:
     seeds = bench.seeds(10, 2)
-    found = {servo: [] for servo in SERVOS}
-    with TemporaryDirectory() as folder:
-        for seed in seeds:
-            common = ["duration_s=5", f"place={seed}"]
-            bench.progress(f"rendered: showing place {seed}")
-            shown = Path(folder) / f"{seed}.yaml"
-            save_shown_place(PlaceByShowing(_settings(common), seed).show(), shown)
-            for servo in SERVOS:
-                bench.progress(f"rendered: {servo}, start {seed}")
-                settings = _settings([*common, f"shown={shown}", f"servo={servo}"])
-                found[servo].append(run_scenario(PlaceByShowing(settings, seed), Path(folder) / servo, video=False))
+    found: dict[str, list[dict]] = {servo: [] for servo in SERVOS}
+    bench.progress(f"rendered: {', '.join(SERVOS)}, places {seeds[0]} to {seeds[-1]}")
+    for seed, figures in zip(seeds, in_processes(_placed, [(seed,) for seed in seeds]), strict=True):
+        bench.progress(f"rendered: place {seed} done")
+        for servo in SERVOS:
+            found[servo].append(figures[servo])
     rows = []
-    for servo, summaries in found.items():
-        figures = [summary["figures"] for summary in summaries]
+    for servo, figures in found.items():
         mm, deg = (np.array([f[name] for f in figures]) for name in FIGURES)
         rows.append(
             (
@@ -53,6 +48,19 @@ def run(bench: Bench) -> Iterator[Table]:
         note="final: largest error of the last 0.5 s, median and worst of the starts; two pixels rendered for one. limits used: most "
         "of any joint limit.",
     )
+
+
+def _placed(seed: int) -> dict[str, dict]:
+    """The place of a seed is shown, then reached from the start of the seed by each servo: its figures."""
+    common, figures = ["duration_s=5", f"place={seed}"], {}
+    with TemporaryDirectory() as folder:
+        shown = Path(folder) / "shown.yaml"
+        save_shown_place(PlaceByShowing(_settings(common), seed).show(), shown)
+        for servo in SERVOS:
+            settings = _settings([*common, f"shown={shown}", f"servo={servo}"])
+            run = run_scenario(PlaceByShowing(settings, seed), Path(folder) / servo, video=False)
+            figures[servo] = run["figures"]
+    return figures
 
 
 def most_used(figures: list[dict]) -> float:
