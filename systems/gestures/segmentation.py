@@ -84,19 +84,24 @@ def _resting(times, points, settings) -> bool:
 
 
 def _trim(movement: Trajectory, settings: PauseSettings) -> Trajectory:
-    """Without the frames at either end during which the hands are still, or already, in place."""
-    head = movement.times <= movement.times[0] + settings.window
-    tail = movement.times >= movement.times[-1] - settings.window - 1e-6
-    first = _departure(movement.points, np.median(movement.points[head], axis=0), settings)
-    last = len(movement) - 1 - _departure(movement.points[::-1], np.median(movement.points[tail], axis=0), settings)
+    """Without the frames at either end during which the hands are still, or already, in place.
+
+    If they never were in place, as when a recording begins in the middle of a movement, nothing is cut off there.
+    """
+    head = movement.points[movement.times <= movement.times[0] + settings.window]
+    tail = movement.points[movement.times >= movement.times[-1] - settings.window - 1e-6]
+    first = _departure(movement.points, head, settings)
+    last = len(movement) - 1 - _departure(movement.points[::-1], tail, settings)
     if last <= first:
         return movement
     return Trajectory(movement.points[first : last + 1], movement.times[first : last + 1])
 
 
-def _departure(points, place, settings) -> int:
-    """The last frame in place before the hands are clearly away from it."""
-    away = np.abs(points - place).max(axis=1)
+def _departure(points, resting, settings) -> int:
+    """The last frame in place, which is the middle of the ``resting`` points, before the hands are clearly away from it."""
+    if np.ptp(resting, axis=0).max() > settings.still:
+        return 0
+    away = np.abs(points - np.median(resting, axis=0)).max(axis=1)
     gone = int((away > settings.leave).argmax())
     inside = np.flatnonzero(away[: gone + 1] < settings.near)
     return int(inside[-1]) if len(inside) else 0

@@ -84,7 +84,8 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
     lengths = np.full(len(x), x.shape[1])
     spec = HmmSpec(
         8 if options.states == "validated" else options.states, 1 if sharp else options.mixtures,
-        "diag" if sharp else options.covariance, prior=2.0, segmental=6, baum_welch=5 if sharp else 20,
+        "diag" if sharp else options.covariance, floor=1e-2 if sharp else 3e-2, prior=2.0, segmental=6,
+        baum_welch=5 if sharp else 20,
     )  # fmt: skip
     states = choose_states(x, lengths, model, spec) if options.states == "validated" else None
     bank = train(x, lengths, model, spec, states)

@@ -48,6 +48,17 @@ def test_slow_corners_do_not_cut_a_movement():
     assert len(segment(np.arange(len(points)) * DT, points)) == 1
 
 
+def test_a_recording_that_begins_in_the_middle_of_a_movement_loses_none_of_it():
+    turn = 2.0 * np.pi * np.arange(25) / 25
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    points = np.concatenate([circle, np.tile(circle[-1:], (10, 1))])
+    (movement,) = segment(np.arange(len(points)) * DT, points)
+    assert movement.times[0] == 0.0
+    rested = np.concatenate([np.tile(circle[:1], (10, 1)), points])
+    (movement,) = segment(np.arange(len(rested)) * DT, rested)
+    assert 9 * DT <= movement.times[0] <= 10 * DT
+
+
 def test_trembling_and_small_shifts_are_no_movement():
     rng = np.random.default_rng(1)
     t = np.arange(200) * DT

@@ -43,6 +43,22 @@ def test_a_hand_that_was_lost_for_a_while_is_gone_on_with_where_it_is_found(hand
     np.testing.assert_array_equal(writing_hand(lost)[6:], lost[6:, 0])
 
 
+def test_a_hand_that_is_taken_for_the_face_writes_all_the_same(hands):
+    parts = np.concatenate([np.tile([[[0.0, 0.0]]], (T, 1, 1)), hands], axis=1)
+    parts[:25, 0], parts[:25, 1] = hands[:25, 0], (0.0, 0.0)
+    np.testing.assert_array_equal(writing_hand(parts), hands[:, 0])
+
+
+@pytest.mark.parametrize("unseen", [slice(6, 6), slice(4, 8)])
+def test_where_a_track_lay_before_it_jumped_onto_the_hand_is_not_writing(hands, unseen):
+    jumps = hands.copy()
+    jumps[:7, 0] = (3.0, 2.0)
+    jumps[unseen, 0] = np.nan
+    way = writing_hand(jumps)
+    assert np.isnan(way[:7]).all()
+    np.testing.assert_array_equal(way[8:], hands[8:, 0])
+
+
 @pytest.mark.parametrize("frames", [0, 1, 2])
 def test_short_tracks_are_returned_as_they_are(hands, frames):
     assert writing_hand(hands[:frames]).shape == (frames, 2)
