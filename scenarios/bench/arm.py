@@ -1,15 +1,15 @@
 """``vipr bench arm``: clearance against the distances of the real model, limits under wild twists, stopping, and what it costs."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator
-from pathlib import Path
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from vipr.diagrams.workcell import JOINT_LIMITS, collision_guard, obstacles, puma_with_hand
 from vipr.scenarios.bench.arm_stop import stopping
+from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.model_distances import ModelDistances
-from vipr.scenarios.bench.tables import Table, chosen_parts
+from vipr.scenarios.bench.tables import Table
 from vipr.systems.arm import puma560
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.guard import CollisionGuard
@@ -21,22 +21,24 @@ PERIOD = 0.01  # s
 MODEL_LESS = ("knuckle", "stage_foot")  # what the model shows but gives no shape to collide with
 
 
-def run(
-    quick: bool = False,
-    only: Iterable[str] | None = None,
-    data: Path | None = None,
-    progress: Callable[[str], None] = lambda text: None,
-    seed: int = 1,
-) -> Iterator[Table]:
-    """Tables of the parts ``clearance``, ``limits``, ``stopping``, ``time``."""
-    parts = {"clearance": _clearance, "limits": _limits, "stopping": _stopping, "time": _time}
-    for part in chosen_parts("arm", only, parts):
-        progress(f"bench arm: {part}")
-        yield parts[part](quick, seed)
+PARTS = {
+    "clearance": "the guard's gaps beside the distances of Drake's model",
+    "limits": "what wild twists make of the joints' limits and of the gaps",
+    "stopping": "the arm told to stand at its greatest speed of servoing",
+    "time": "of a tick, of a clearance",
+}
+SEED = 1
+NEEDS_DATA: dict[str, str] = {}
 
 
-def _clearance(quick: bool, seed: int) -> Table:
-    count, rng = (200 if quick else 3000), np.random.default_rng(seed)
+def tables(part: str, bench: Bench) -> Iterator[Table]:
+    """The table of one part."""
+    bench.progress(f"bench arm: {part}")
+    yield {"clearance": _clearance, "limits": _limits, "stopping": _stopping, "time": _time}[part](bench)
+
+
+def _clearance(bench: Bench) -> Table:
+    count, rng = bench.of(3000, 200), np.random.default_rng(bench.seed)
     arm, model, around = puma_with_hand(), ModelDistances(), obstacles(np.zeros(3))
     beyond, short, near = [], [], []
     for _ in range(count):
@@ -60,8 +62,8 @@ def _clearance(quick: bool, seed: int) -> Table:
     return table
 
 
-def _limits(quick: bool, seed: int) -> Table:
-    seeds, steps, model = range(seed, seed + (2 if quick else 10)), 0, ModelDistances()
+def _limits(bench: Bench) -> Table:
+    seeds, steps, model = bench.seeds(10, 2), 0, ModelDistances()
     most, least = np.zeros(3), np.inf
     guard = collision_guard()
     for k in seeds:
@@ -87,12 +89,12 @@ def _limits(quick: bool, seed: int) -> Table:
     return table
 
 
-def _stopping(quick: bool, seed: int) -> Table:
-    return stopping(2 if quick else 30, seed)
+def _stopping(bench: Bench) -> Table:
+    return stopping(bench.of(30, 2), bench.seed)
 
 
-def _time(quick: bool, seed: int) -> Table:
-    count, guard, rng = (100 if quick else 1000), collision_guard(), np.random.default_rng(seed)
+def _time(bench: Bench) -> Table:
+    count, guard, rng = bench.of(1000, 100), collision_guard(), np.random.default_rng(bench.seed)
     table = Table(
         "CPU time", ("what", "median us", "95 % us"), note="Of the process, on a machine that does other things too."
     )
@@ -113,7 +115,7 @@ def _time(quick: bool, seed: int) -> Table:
             *_quantiles([_spent(lambda q=q: body.clearance(q, guard.obstacles)) for q in many[:200]]),
         )
     )
-    batches = [_spent(lambda: body.clearance(many, guard.obstacles)) / len(many) for _ in range(3 if quick else 10)]
+    batches = [_spent(lambda: body.clearance(many, guard.obstacles)) / len(many) for _ in range(bench.of(10, 3))]
     table.rows.append(("a clearance, 500 at once", *_quantiles(batches)))
     return table
 

@@ -1,13 +1,14 @@
 """``vipr bench calibration``: errors of simulated calibrations beside the standard errors that they told."""
 
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from vipr.models import model_path
-from vipr.scenarios.bench.tables import Table, chosen_parts
+from vipr.scenarios.bench.benchmark import Bench
+from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.calibrating.estimate import calibrate_images, errors
 from vipr.scenarios.calibrating.views import simulate_views
 from vipr.systems.calibration.board import load_board
@@ -20,17 +21,14 @@ LEGEND = (
 )
 
 
-def run(
-    quick: bool = False,
-    only: Iterable[str] | None = None,
-    data: Path | None = None,
-    progress: Callable[[str], None] = lambda text: None,
-    seed: int = 1,
-) -> Iterator[Table]:
-    """Tables of the parts: ``errors`` over seeds, each with another camera; ``views``, what more of them are worth."""
-    seeds = range(seed, seed + (3 if quick else SEEDS))
-    for part in chosen_parts("calibration", only, ("errors", "views")):
-        yield from (_errors if part == "errors" else _views)(seeds, progress)
+PARTS = {"errors": "over seeds, each with another camera", "views": "what more of them are worth"}
+SEED = 1
+NEEDS_DATA: dict[str, str] = {}
+
+
+def tables(part: str, bench: Bench) -> Iterator[Table]:
+    """The tables of one part."""
+    return {"errors": _errors, "views": _views}[part](bench.seeds(SEEDS, 3), bench.progress)
 
 
 def _errors(seeds: range, progress) -> Iterator[Table]:

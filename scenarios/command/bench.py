@@ -5,12 +5,11 @@ from typing import Annotated
 
 import typer
 
-# Benchmarks that print tables: what each measures and its parts. The module ``vipr.scenarios.bench.NAME`` has
-# ``run(quick, only, data, progress[, seed]) -> Iterator[Table]``.
+# Benchmarks that print tables (``vipr.scenarios.bench.benchmark``): what each measures, and its parts, told without importing it.
 TABLES = {
     "tracking": (
         "The model-based tracker: accuracy, speed, disturbances, losses, recordings, time.",
-        "accuracy, fig11, parts, handheld, disturbance, loss, recordings, time",
+        "accuracy, rounds, fig11, parts, handheld, disturbance, loss, recordings, time",
     ),
     "servo": (
         "Visual servoing: laws from many starts, hard cases, wrong calibration, following, lost targets, rendered runs.",
@@ -130,19 +129,19 @@ def _tables_command(name: str, parts: str):
         seed: Annotated[
             int | None, typer.Option(help="Seed of everything random; the benchmark's own if not given.")
         ] = None,
+        jobs: Annotated[
+            int, typer.Option(help="Rendered scenes and runs at a time, where a part can; one core each.", min=1)
+        ] = 1,
         as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
     ) -> None:
-        from importlib import import_module
-
         from rich.console import Console
 
+        from vipr.scenarios.bench.benchmark import measure
         from vipr.scenarios.bench.tables import print_json, print_tables
 
-        run = import_module(f"vipr.scenarios.bench.{name}").run
         wanted = [part.strip() for part in only.split(",") if part.strip()]
-        seeds = {} if seed is None else {"seed": seed}
         with Console(stderr=True).status(f"bench {name}") as status:
-            tables = run(quick=quick, only=wanted, data=data, progress=status.update, **seeds)
+            tables = measure(name, wanted, quick=quick, data=data, seed=seed, progress=status.update, jobs=jobs)
             (print_json if as_json else print_tables)(tables)
 
     return bench

@@ -4,53 +4,27 @@ One module a part; each has ``run(bench) -> Iterator[Table]``. See `PARTS` for t
 """
 
 import importlib
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterator
+from dataclasses import replace
 
-from vipr.scenarios.bench.tables import Table, chosen_parts
-from vipr.systems.errors import InputError
+from vipr.scenarios.bench.benchmark import Bench
+from vipr.scenarios.bench.tables import Table
 
 PARTS = {
     "likelihoods": "scores and re-estimation beside enumeration of all paths and beside hmmlearn",
     "speed": "scoring and training beside hmmlearn",
-    "handwriting": "real handwriting, writers held out (needs --data)",
-    "phases": "pauses between the gestures of a speaker (needs --data)",
+    "handwriting": "real handwriting, writers held out",
+    "phases": "pauses between the gestures of a speaker",
 }
-WITH_DATA = ("handwriting", "phases")
-FOLDERS = "unipen_lower/, pendigits/ and gesture_phase/"
+SEED = 0
+NEEDS_DATA = {
+    "handwriting": "unipen_lower/ and pendigits/, itself or in its folder gestures",
+    "phases": "gesture_phase/, itself or in its folder gestures",
+}
 
 
-@dataclass(frozen=True)
-class Bench:
-    """What every part is told."""
-
-    quick: bool
-    data: Path | None  # folder with FOLDERS
-    seed: int
-    progress: Callable[[str], None]
-
-
-def run(
-    *,
-    quick: bool = False,
-    only: list[str] | None = None,
-    data: Path | None = None,
-    seed: int = 0,
-    progress: Callable[[str], None] = lambda text: None,
-) -> Iterator[Table]:
-    """The tables of the parts, each as soon as it is measured. Raises InputError for unknown parts or missing data.
-
-    ``data`` holds FOLDERS, itself or in its folder ``gestures``.
-    """
-    names = chosen_parts("gestures", only, PARTS)
-    if not only and data is None:
-        names = [name for name in names if name not in WITH_DATA]
-    if data is not None and (data / "gestures").is_dir():
-        data = data / "gestures"
-    for name in names:
-        if name in WITH_DATA and (data is None or not data.is_dir()):
-            raise InputError(f"bench gestures: {name} needs --data FOLDER with {FOLDERS}, got {data}")
-    bench = Bench(quick, data, seed, progress)
-    for name in names:
-        yield from importlib.import_module(f"vipr.scenarios.bench.gestures.{name}").run(bench)
+def tables(part: str, bench: Bench) -> Iterator[Table]:
+    """The tables of one part."""
+    if bench.data is not None and (bench.data / "gestures").is_dir():
+        bench = replace(bench, data=bench.data / "gestures")
+    return importlib.import_module(f"{__name__}.{part}").run(bench)

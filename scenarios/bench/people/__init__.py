@@ -1,60 +1,59 @@
 """``vipr bench people``: Table I row by row, rendered rooms, light, real clips, skin pixels."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
+from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.people.clips import FACE_TOLERANCE, HAND_TOLERANCE, lone_hands, run_clips
 from vipr.scenarios.bench.people.light import light_table
 from vipr.scenarios.bench.people.pixels import classifiers, photographs, room_pixels, scores, uci_pixels
 from vipr.scenarios.bench.people.rooms import judge_room, summarise
 from vipr.scenarios.bench.people.time import time_table
-from vipr.scenarios.bench.tables import Table, chosen_parts
+from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.workers import in_processes
-from vipr.systems.errors import InputError
-from vipr.systems.hands.parts import PARTS
+from vipr.systems.hands import parts
 
-TABLES = ("time", "rooms", "light", "clips", "pixels")
-
-
-def run(
-    quick: bool = False,
-    only: list[str] | None = None,
-    data: Path | None = None,
-    seed: int = 1000,
-    progress: Callable[[str], None] = lambda what: None,
-) -> Iterator[Table]:
-    """The tables, one by one; ``data`` is the folder with video/, skin/ and images/."""
-    chosen = chosen_parts("people", only, TABLES)
-    if data is None and {"clips", "pixels"} & set(only or ()):
-        raise InputError("bench people: clips and pixels need --data FOLDER with video/, skin/ and images/")
-    if "time" in chosen:
-        yield time_table(40 if quick else 120, progress)
-    if "rooms" in chosen:
-        yield from rooms_tables(10 if quick else 100, seed, progress)
-    if "light" in chosen:
-        yield light_table(2 if quick else 20, seed, progress)
-    if "clips" in chosen and data is not None:
-        progress("clips")
-        yield clips_table(data, 200 if quick else None)
-        yield lone_hands_table(data)
-    if "pixels" in chosen:
-        yield from pixel_tables(data, 1 if quick else 5, progress)
+PARTS = {
+    "time": "Table I row by row, with the size of the image",
+    "rooms": "rendered rooms: accuracy, seen or not, identities",
+    "light": "light that changes, with parts of the method left out",
+    "clips": "real clips beside another tracker",
+    "pixels": "skin pixels: precision and recall",
+}
+SEED = 1000
+NEEDS_DATA = {"clips": "video/"}
 
 
-def rooms_tables(scenes: int, seed: int, progress) -> Iterator[Table]:
+def tables(part: str, bench: Bench) -> Iterator[Table]:
+    """The tables of one part; pixels of photographs are left out without data (skin/ and images/)."""
+    if part == "time":
+        yield time_table(bench.of(120, 40), bench.progress)
+    if part == "rooms":
+        yield from rooms_tables(bench)
+    if part == "light":
+        yield light_table(bench)
+    if part == "clips":
+        bench.progress("clips")
+        yield clips_table(bench.data, 200 if bench.quick else None)
+        yield lone_hands_table(bench.data)
+    if part == "pixels":
+        yield from pixel_tables(bench.data, bench.of(5, 1), bench.progress)
+
+
+def rooms_tables(bench: Bench) -> Iterator[Table]:
     """Rendered rooms: accuracy, seen or not, identities; over all and by what the scene is like."""
-    results = []
-    for result in in_processes(judge_room, [(seed + k,) for k in range(scenes)]):
+    results, seeds = [], bench.seeds(100, 10)
+    for result in in_processes(judge_room, [(seed,) for seed in seeds], bench.jobs):
         results.append(result)
-        progress(f"room {len(results)} of {scenes}")
+        bench.progress(f"room {len(results)} of {len(seeds)}")
     columns = (
         "scenes",
         "n",
-        *(f"{p} RMS px" for p in PARTS),
-        *(f"{p} tracked %" for p in PARTS),
-        *(f"{p} seen right %" for p in PARTS),
+        *(f"{p} RMS px" for p in parts.PARTS),
+        *(f"{p} tracked %" for p in parts.PARTS),
+        *(f"{p} seen right %" for p in parts.PARTS),
     )
     rows = []
     groups = {"all": results}
@@ -76,13 +75,13 @@ def rooms_tables(scenes: int, seed: int, progress) -> Iterator[Table]:
             )
         )
     yield Table(
-        f"Rendered rooms, 160x120, {scenes} random scenes of 6 s", columns, rows,
+        f"Rendered rooms, 160x120, {len(seeds)} random scenes of 6 s", columns, rows,
         "RMS over frames in which part and truth are seen within 10 px; tracked: truly seen parts reported within 10 px; first s left out.",
     )  # fmt: skip
     s = summarise(results)
     yield Table(
         "Identities of the hands", ("scenes", "swapped without contact", "partings after contact", "swapped after parting"),
-        [(scenes, s["scenes_swapped_without_contact"], s["partings"], s["swapped_after_parting"])],
+        [(len(seeds), s["scenes_swapped_without_contact"], s["partings"], s["swapped_after_parting"])],
     )  # fmt: skip
 
 

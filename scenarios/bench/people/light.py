@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.people.rooms import RoomResult, expose, judge, shots, summarise
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.people.scenes import light_program, random_scene
@@ -21,12 +22,12 @@ PROGRAMS = ("constant", "fixed", "step", "drift")
 FIRST = 500  # seeds between those of the rooms and those of the light
 
 
-def light_table(scenes: int, seed: int, progress) -> Table:
+def light_table(bench: Bench) -> Table:
     """Share of truly seen parts that are tracked under each light program, by variants of the first stage."""
-    results = []
-    for result in in_processes(judge_lights, [(seed, k) for k in range(scenes)]):
+    results, scenes = [], bench.of(20, 2)
+    for result in in_processes(judge_lights, [(bench.seed, k) for k in range(scenes)], bench.jobs):
         results.append(result)
-        progress(f"light: scene {len(results)} of {scenes}")
+        bench.progress(f"light: scene {len(results)} of {scenes}")
     rows = [(name, *(_tracked([r[name, program] for r in results]) for program in PROGRAMS)) for name in VARIANTS]
     return Table(
         f"Light: parts tracked % ({scenes} scenes each)",

@@ -5,11 +5,10 @@ set-point generator with its limits is the real one. ``rendered`` confirms a sam
 """
 
 import importlib
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 
-from vipr.scenarios.bench.servo.trial import Bench
-from vipr.scenarios.bench.tables import Table, chosen_parts
+from vipr.scenarios.bench.benchmark import Bench
+from vipr.scenarios.bench.tables import Table
 
 PARTS = {
     "starts": "the same random starts for every law",
@@ -20,17 +19,10 @@ PARTS = {
     "rendered": "a sample with rendered pictures and the real tracker",
     "pursuit": "a moving object with rendered pictures and the real tracker",
 }
+SEED = 1
+NEEDS_DATA: dict[str, str] = {}
 
 
-def run(
-    *,
-    quick: bool = False,
-    only: list[str] | None = None,
-    data: Path | None = None,
-    seed: int = 0,
-    progress: Callable[[str], None] = lambda text: None,
-) -> Iterator[Table]:
-    """The tables of the parts, each as soon as it is measured. Raises InputError for unknown parts; ``data`` is not needed."""
-    bench = Bench(quick=quick, seed=seed, progress=progress)
-    for name in chosen_parts("servo", only, PARTS):
-        yield from importlib.import_module(f"vipr.scenarios.bench.servo.{name}").run(bench)
+def tables(part: str, bench: Bench) -> Iterator[Table]:
+    """The tables of one part."""
+    return importlib.import_module(f"{__name__}.{part}").run(bench)

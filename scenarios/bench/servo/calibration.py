@@ -5,8 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from vipr.scenarios.align import Align, AlignSettings
+from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.servo.starts import placing, rms
-from vipr.scenarios.bench.servo.trial import LAWS, Bench, Setting, fly
+from vipr.scenarios.bench.servo.trial import LAWS, Setting, fly
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.camera_knowledge import CameraKnowledge
 from vipr.scenarios.place_by_showing import PlaceSettings

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from vipr.scenarios.align import Follow
+from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.servo.starts import rms
-from vipr.scenarios.bench.servo.trial import LAWS, Bench, Setting, fly
+from vipr.scenarios.bench.servo.trial import LAWS, Setting, fly
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.settings import load_settings
 

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from vipr.diagrams.workcell import STAGE
-from vipr.scenarios.bench.servo.trial import LAWS, Bench, Setting, fly
+from vipr.scenarios.bench.benchmark import Bench
+from vipr.scenarios.bench.servo.trial import LAWS, Setting, fly
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.motions import out_and_back
 from vipr.scenarios.servoing import joints_for

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.servo.starts import placing
-from vipr.scenarios.bench.servo.trial import LAWS, Bench, Flight, Setting, fly
+from vipr.scenarios.bench.servo.trial import LAWS, Flight, Setting, fly
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.place_by_showing import PlaceSettings
 

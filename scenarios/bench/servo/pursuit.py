@@ -5,8 +5,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from vipr.scenarios.align import FollowSettings
+from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.servo.rendered import SERVOS, most_used
-from vipr.scenarios.bench.servo.trial import Bench
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.runs import run_many
 
@@ -24,7 +24,7 @@ def run(bench: Bench) -> Iterator[Table]:
     seeds, asked, rows = bench.seeds(3, 1), FollowSettings(), []
     bench.progress(f"follow: {', '.join(SERVOS)}, seeds {seeds[0]} to {seeds[-1]}")
     with TemporaryDirectory() as folder:
-        found = run_many("follow", [([f"servo={servo}"], Path(folder) / servo) for servo in SERVOS], seeds)
+        found = run_many("follow", [([f"servo={servo}"], Path(folder) / servo) for servo in SERVOS], seeds, bench.jobs)
     for servo, summaries in zip(SERVOS, found, strict=True):
         figures = [summary["figures"] for summary in summaries]
         done = sum(bool(summary["success"]) for summary in summaries)

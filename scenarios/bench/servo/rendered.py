@@ -6,7 +6,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from vipr.scenarios.bench.servo.trial import CLOSE_DEG, CLOSE_MM, Bench
+from vipr.scenarios.bench.benchmark import Bench
+from vipr.scenarios.bench.servo.trial import CLOSE_DEG, CLOSE_MM
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.place_by_showing import PlaceByShowing
 from vipr.scenarios.run import run_scenario
@@ -22,7 +23,7 @@ def run(bench: Bench) -> Iterator[Table]:
     seeds = bench.seeds(10, 2)
     found: dict[str, list[dict]] = {servo: [] for servo in SERVOS}
     bench.progress(f"rendered: {', '.join(SERVOS)}, places {seeds[0]} to {seeds[-1]}")
-    for seed, figures in zip(seeds, in_processes(_placed, [(seed,) for seed in seeds]), strict=True):
+    for seed, figures in zip(seeds, in_processes(_placed, [(seed,) for seed in seeds], bench.jobs), strict=True):
         bench.progress(f"rendered: place {seed} done")
         for servo in SERVOS:
             found[servo].append(figures[servo])

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from vipr.scenarios.align import Align, AlignSettings
-from vipr.scenarios.bench.servo.trial import AGAIN, LAWS, TRACKER, Bench, Flight, Setting, fly
+from vipr.scenarios.bench.benchmark import Bench
+from vipr.scenarios.bench.servo.trial import AGAIN, LAWS, TRACKER, Flight, Setting, fly
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.place_by_showing import PlaceByShowing, PlaceSettings
 from vipr.scenarios.shown_place import ShownPlace

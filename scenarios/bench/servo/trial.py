@@ -52,19 +52,6 @@ LAWS: dict[str, ServoLaw] = {
 }
 
 
-@dataclass(frozen=True)
-class Bench:
-    """How much is to be measured, and whom to tell."""
-
-    quick: bool = False
-    seed: int = 0
-    progress: Callable[[str], None] = lambda text: None
-
-    def seeds(self, count: int, quick: int) -> range:
-        """Seeds of the runs of one part."""
-        return range(self.seed + 1, self.seed + 1 + (quick if self.quick else count))
-
-
 @dataclass(frozen=True, eq=False)
 class Setting:
     """What is run: an arm with its hand at q, an object, a camera, a task; ``body_and_goal(X_WO, X_WE)`` gives the true X_WB and X_WG."""

@@ -4,10 +4,11 @@ One module a part; each has ``run(bench) -> Iterator[Table]``. See `PARTS` for t
 """
 
 import importlib
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
+from functools import cache
 
-from vipr.scenarios.bench.tables import Table, chosen_parts
+from vipr.scenarios.bench.benchmark import Bench
+from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.bench.tracking.workbench import Workbench
 
 PARTS = {
@@ -21,20 +22,13 @@ PARTS = {
     "recordings": "real recordings beside ViSP and RAPID",
     "time": "milliseconds by step, with nodes and with image size",
 }
+SEED = 0
+NEEDS_DATA = {
+    "recordings": "folders of images/, object.obj, camera.yaml and reference.csv, itself or in its folder tracking"
+}
+_workbench = cache(Workbench)  # its renderers and its count of good frames serve all parts of one benchmark
 
 
-def run(
-    *,
-    quick: bool = False,
-    only: list[str] | None = None,
-    data: Path | None = None,
-    seed: int = 0,
-    progress: Callable[[str], None] = lambda text: None,
-) -> Iterator[Table]:
-    """The tables of the parts, each as soon as it is measured. Raises InputError for unknown parts or missing data."""
-    names = chosen_parts("tracking", only, PARTS)
-    if not only and data is None:
-        names.remove("recordings")
-    bench = Workbench(quick=quick, data=data, seed=seed, progress=progress)
-    for name in names:
-        yield from importlib.import_module(f"vipr.scenarios.bench.tracking.{name}").run(bench)
+def tables(part: str, bench: Bench) -> Iterator[Table]:
+    """The tables of one part."""
+    return importlib.import_module(f"{__name__}.{part}").run(_workbench(bench))

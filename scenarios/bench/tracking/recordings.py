@@ -68,10 +68,8 @@ def run(bench: Workbench) -> Iterator[Table]:
     yield table
 
 
-def sequences(data: Path | None) -> list[Path]:
+def sequences(data: Path) -> list[Path]:
     """Folders with images, model, camera, initial pose and reference under the data folder or its ``tracking``."""
-    if data is None:
-        raise InputError("bench tracking: recordings need --data DIR, a folder of sequences")
     root = data / "tracking" if (data / "tracking").is_dir() else data
     found = [p.parent for p in sorted(root.glob("*/reference.csv")) if (p.parent / "object.obj").is_file()]
     if not found and (root / "reference.csv").is_file():

@@ -2,7 +2,7 @@
 
 import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import vipr.models
+from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.sequences.rendered import Conditions, sequence
 from vipr.scenarios.sequences.renderer import SequenceRenderer
 from vipr.scenarios.sequences.scenery import Mesh
@@ -123,10 +124,10 @@ def without_spin(model: CadModel, X_CO: np.ndarray, X_true: np.ndarray) -> np.nd
 
 
 class Workbench:
-    """Options of the benchmark, and what is costly to make, kept."""
+    """The benchmark's options, and what is costly to make, kept."""
 
-    def __init__(self, *, quick: bool, data: Path | None, seed: int, progress: Callable[[str], None]):
-        self.quick, self.data, self.seed, self.progress = quick, data, seed, progress
+    def __init__(self, bench: Bench):
+        self.quick, self.data, self.seed, self.progress = bench.quick, bench.data, bench.seed, bench.progress
         self.lens = XC77
         self.renderer = cache(self._renderer)
         self.model = cache(lambda name: load_model(_folder() / name.removesuffix(UNPRINTED) / "model.yaml"))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vipr.scenarios.bench import gestures
+from vipr.scenarios.bench.benchmark import measure
 from vipr.scenarios.bench.gestures.phases import judge, read_recording
 from vipr.systems.errors import InputError
 from vipr.systems.gestures.segmentation import segment
@@ -11,7 +11,7 @@ from vipr.systems.gestures.trajectories import Trajectory
 
 
 def test_likelihoods_agree_with_enumeration_and_hmmlearn():
-    (table,) = gestures.run(only=["likelihoods"], quick=True)
+    (table,) = measure("gestures", ["likelihoods"], quick=True)
     assert len(table.rows) == 9
     assert all(row[-1] < 1e-9 for row in table.rows)
 
@@ -35,13 +35,9 @@ def test_a_speakers_gestures_are_cut_at_his_pauses(shared_data):
     assert found["moving_precision"] > 75.0 and found["moving_recall"] > 75.0
 
 
-def test_missing_data_and_unknown_parts_are_told_in_one_line(tmp_path):
-    with pytest.raises(InputError, match="handwriting needs --data FOLDER"):
-        list(gestures.run(only=["handwriting"]))
-    with pytest.raises(InputError, match="unknown part 'colour', allowed are likelihoods"):
-        list(gestures.run(only=["colour"]))
+def test_files_that_are_no_recordings_are_told_in_one_line(tmp_path):
     with pytest.raises(InputError, match=r"a1_raw\.csv: cannot be read"):
-        list(gestures.run(only=["phases"], data=tmp_path))
+        list(measure("gestures", ["phases"], data=tmp_path))
     (tmp_path / "x.csv").write_text("a,b\n1,2\n")
     with pytest.raises(InputError, match="is not a recording of gesture phases"):
         read_recording(tmp_path / "x.csv")

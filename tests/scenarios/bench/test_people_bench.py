@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 
-from vipr.scenarios.bench.people import run
 from vipr.scenarios.bench.people.clips import score_clip
 from vipr.scenarios.bench.people.pixels import scores
 from vipr.scenarios.bench.people.rooms import BOOTSTRAP, RoomResult, judge, names_after_parting, summarise
 from vipr.scenarios.people.scenes import KINDS, light_program, random_scene
-from vipr.systems.errors import InputError
 from vipr.systems.signals import HandTracks
 
 
@@ -88,10 +86,3 @@ def test_precision_and_recall():
     found, true = np.array([1, 1, 1, 0], bool), np.array([1, 1, 0, 1], bool)
     assert scores(found, true) == pytest.approx((2 / 3, 2 / 3))
     assert scores(~true & ~true, np.zeros(4, bool)) == (0.0, 0.0)
-
-
-def test_unknown_parts_and_missing_recordings_are_named():
-    with pytest.raises(InputError, match="unknown part 'noses', allowed are time, rooms"):
-        next(run(only=["noses"]))
-    with pytest.raises(InputError, match="need --data"):
-        next(run(only=["clips"]))

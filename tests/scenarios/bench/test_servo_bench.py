@@ -8,13 +8,11 @@ import pytest
 from vipr.diagrams.servo_robot import STOPPING_TIME
 from vipr.diagrams.workcell import JOINT_LIMITS
 from vipr.scenarios.align import Follow, FollowSettings
-from vipr.scenarios.bench.servo import PARTS, run
 from vipr.scenarios.bench.servo.calibration import wrong
 from vipr.scenarios.bench.servo.hard import CASES, looking
 from vipr.scenarios.bench.servo.starts import placing, summary
 from vipr.scenarios.bench.servo.trial import LAWS, Setting, fly
 from vipr.scenarios.place_by_showing import PlaceSettings
-from vipr.systems.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -70,8 +68,3 @@ def test_half_a_turn_about_the_optical_axis_ends_at_a_limit_by_the_image_alone_a
     assert by_image.stopped_at_a_limit and not by_image.converged and by_image.within_limits
     assert by_image.X_CO[:, 2, 3].max() > 1.5 * by_image.X_CO[0, 2, 3], "it retreats"
     assert by_pose.converged
-
-
-def test_unknown_parts_are_refused():
-    with pytest.raises(InputError, match=f"unknown part 'ends', allowed are {', '.join(PARTS)}"):
-        list(run(only=["ends"]))

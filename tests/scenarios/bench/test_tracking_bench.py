@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vipr.scenarios.bench import tracking
+from vipr.scenarios.bench.benchmark import Bench, measure
 from vipr.scenarios.bench.tables import Table, print_json, print_tables
 from vipr.scenarios.bench.tracking import accuracy, loss, parts, rounds
 from vipr.scenarios.bench.tracking.workbench import Run, Workbench, without_spin
@@ -19,7 +19,7 @@ from vipr.systems.tracking.model_tracking import start
 
 @pytest.fixture(scope="module")
 def bench():
-    return Workbench(quick=True, data=None, seed=0, progress=lambda text: None)
+    return Workbench(Bench(quick=True))
 
 
 def run_of(bench, name, poses, truth):
@@ -115,17 +115,13 @@ def test_tables_print_as_text_and_as_json(capsys):
     assert json.loads(capsys.readouterr().out)[0]["rows"][1] == {"a": "y", "b": None}
 
 
-def test_unknown_part_and_missing_data_are_said_clearly(tmp_path):
-    with pytest.raises(InputError, match="allowed are accuracy, rounds"):
-        list(tracking.run(only=["speed"]))
-    with pytest.raises(InputError, match="need --data DIR"):
-        list(tracking.run(only=["recordings"]))
+def test_a_folder_without_sequences_is_said_clearly(tmp_path):
     with pytest.raises(InputError, match="holds no sequence"):
-        list(tracking.run(only=["recordings"], data=tmp_path))
+        list(measure("tracking", ["recordings"], data=tmp_path))
 
 
 def test_recordings_stand_beside_the_other_trackers(shared_data):
-    (table,) = tracking.run(only=["recordings"], data=shared_data / "tracking" / "teabox")
+    (table,) = measure("tracking", ["recordings"], data=shared_data / "tracking" / "teabox")
     assert [row[1].split(" (")[0] for row in table.rows] == [
         "VIPR",
         "ViSP 3.5 edges",
