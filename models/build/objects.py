@@ -14,7 +14,7 @@ import yaml
 from vipr.models.build import artwork
 from vipr.models.build.mesh import BOX_FACES, Mesh, write_edges
 
-SIDES = 48  # of a cylinder's visual: the chord of the can stays within 0.07 mm of the circle
+SIDES = 128  # of a cylinder's visual: the chord of the can stays within 0.01 mm of the circle, 0.6 mm of depth at 2 m
 PIXELS_PER_METRE = artwork.PIXELS_PER_MM * 1000
 
 
