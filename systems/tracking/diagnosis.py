@@ -17,6 +17,7 @@ from vipr.systems.tracking.texture import TextureFit
 
 NEAR = 1.5  # px: an edge within this supports its node
 CLOSE = 0.3  # px: residuals of a sharp picture at the right pose are smaller
+WRONG = 0.23  # closeness and a quarter of the share of supported nodes: at wrong poses they come to less
 TRACKING, LOST = 0.5, 0.15  # score above which the pose can be used, below which it means nothing
 
 
@@ -55,7 +56,8 @@ class Evidence:
         if (self.unproven or (self.patches >= 8 and self.texture < 4.0)) and self.edges < 0.85:
             by_edges = min(by_edges, 0.45)  # edges there are everywhere
         by_hand = 0.9 * self.given * _logistic(-3.0 + 12.0 * self.edges)
-        return 1.0 - (1.0 - by_edges) * (1.0 - by_texture) * (1.0 - by_hand)
+        fits = _logistic(40.0 * (self.closeness + 0.25 * self.edges - WRONG))
+        return fits * (1.0 - (1.0 - by_edges) * (1.0 - by_texture) * (1.0 - by_hand))
 
 
 def _logistic(z: float) -> float:

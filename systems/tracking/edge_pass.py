@@ -8,6 +8,7 @@ from vipr.systems.tracking.diagnosis import weigh
 from vipr.systems.tracking.displacements import difference, move, normal_jacobian
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
 from vipr.systems.tracking.normal_flow import find_edges
+from vipr.systems.tracking.parallel_edges import told_apart
 from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose
 from vipr.systems.tracking.sight import Sight
 from vipr.systems.tracking.small_algebra import solve
@@ -42,6 +43,9 @@ def edge_pass(
     matches = look(sight, nodes, reach, SHARP_REACH if sharp and settings.sharp else 0.0)
     J = normal_jacobian(nodes, X_CO, sight.lens)
     shown = uncovered(nodes.pixel, texture)
+    if sharp and settings.sharp:
+        matches, certain = told_apart(matches, nodes)
+        shown = shown * certain
     likely = preferences(matches.strength, matches.wide)
     common = {"edge": nodes.edge, "model_error": settings.model_error, "node_weight": shown}
     free = None

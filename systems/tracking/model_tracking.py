@@ -18,12 +18,14 @@ from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle, surprise
-from vipr.systems.tracking.overrule import doubt, overrule, preferred
+from vipr.systems.tracking.overrule import doubt, outdone, overrule, preferred
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.texture import correlation_at
 
 DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads
+SLACK, SLACK_LED = 0.85, 0.75  # of the closeness of late: below, rivals are looked for; where texture led, now and then
+FADING = 0.97  # share of the closeness of late that is left a frame later
 LEARN_EVERY = 5  # frames between attempts to learn the texture of an object that has shown none yet
 LEARNT = 12  # keyframes, beside those that are known beforehand: the last so many are kept
 LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
@@ -82,6 +84,7 @@ class Belief:
     agility: float = (
         1.0  # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings
     )
+    closeness: float = 0.0  # 0 to 1, how closely its edges have fitted of late
 
     def __deepcopy__(self, memo):
         return self  # immutable: a context clone copies nothing
@@ -149,6 +152,10 @@ def step(
     steady = steady if settings.prediction else ahead
     sight = Sight(image, model, lens, settings, occluders_C, belief, ahead, dt, steady)
     best = _search(belief, ahead, sight)
+    if settings.rivals and not fresh and best.evidence.score >= TRACKING:
+        slack = SLACK if best.led_by is None else SLACK_LED if number % DOUBT_EVERY == 0 else 0.0
+        if best.evidence.closeness < slack * belief.closeness:
+            best = outdone(sight, best, ahead) or best
     return _conclude(belief, ahead, best, sight, time, number)
 
 
@@ -213,8 +220,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         motion = update(best.ahead or ahead, best.X_CO, best.covariance)
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
-    if best.against is not None:
-        keyframes = tuple(k for k in keyframes if k.lasting or k is not best.against)
+    keyframes = tuple(k for k in keyframes if k.lasting or not any(k is wrong for wrong in best.against))
     if best.led_by is not None:
         keyframes = _doubt(keyframes, best)
     if (
@@ -237,6 +243,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         0 if good else belief.doubtful + 1,
         True,
         _agility(belief, ahead, motion) if good else 1.0,
+        max(FADING * belief.closeness, best.evidence.closeness if good else 0.0),
     )
 
 

@@ -8,13 +8,16 @@ from vipr.systems.tracking.diagnosis import Evidence, weigh
 from vipr.systems.tracking.displacements import corner_information, move
 from vipr.systems.tracking.edge_pass import about, edge_pass
 from vipr.systems.tracking.motion_filter import Motion, at_rest
+from vipr.systems.tracking.rivals import closest
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.sight import Attempt, Sight
+from vipr.systems.tracking.small_algebra import invert
 
 CLOSE_PX = 0.3  # residual of edges that fit closely
 WELL_PX, WELL_SHARE = 0.5, 0.7  # residual and share of edges of a pose that is not questioned
 OVERRULE_PX = (4.0, 8.0)  # RMS of the corners: how far from a doubtful pose others are tried
 CERTAIN = 10.0  # significance of a texture that is hardly mistaken
+TIGHT = 0.65  # closeness of edges from which a rival of a tracked pose is taken
 CLOSER, BETTER = 0.1, 0.15  # of a fit's quality: edges that fit so much better, closely or not, overrule a texture
 
 
@@ -51,6 +54,25 @@ def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attemp
     return None
 
 
+def outdone(sight: Sight, best: Attempt, ahead: Motion) -> Attempt | None:
+    """A rival of a tracked pose whose edges fit much more closely than its own, which a sharp picture does not let be so far off."""
+    sight.expect(replace(ahead, X_CO=best.X_CO, covariance=at_rest(best.X_CO).covariance))
+    X = closest(sight, best.X_CO)
+    if X is best.X_CO:
+        sight.expect(ahead)
+        return None
+    expected, information = sight.ahead, sight.information
+    X, fit, matches, _ = edge_pass(
+        sight, X, sight.settings.fine_reach, (0.7,), about(sight, X, X, None), sharp=True, settled=True
+    )
+    evidence = weigh(matches, fit)
+    sight.expect(ahead)
+    if evidence.closeness < max(best.evidence.closeness + CLOSER, TIGHT):
+        return None
+    wrong = tuple(k for k in sight.keyframes if k is best.led_by or k.fit_px > CLOSE_PX)
+    return Attempt(X, invert(fit.information - 0.999 * information), evidence, expected, against=wrong)
+
+
 def _if_better(other, best):
     """The other attempt if its edges fit so much better that the texture must be wrong; its keyframe is named if it is beyond doubt.
 
@@ -63,7 +85,7 @@ def _if_better(other, best):
     unsure = best.led_by.fit_px > WELL_PX
     if not ((close and gain > CLOSER) or (many and (unsure or few_agree) and gain > BETTER)):
         return None
-    wrong = best.led_by if many else None
+    wrong = (best.led_by,) if many else ()
     evidence = replace(other.evidence, texture=0.0, patches=0) if many else other.evidence
     return replace(other, evidence=evidence, against=wrong)
 

@@ -22,7 +22,7 @@ class Attempt:
     evidence: Evidence
     ahead: Motion | None = None  # the prediction that it was weighed against
     led_by: Keyframe | None = None  # whose texture led there
-    against: Keyframe | None = None  # whose texture led elsewhere, and was overruled by the edges
+    against: tuple[Keyframe, ...] = ()  # whose texture led, or would lead, elsewhere: overruled by the edges
 
 
 class Sight:

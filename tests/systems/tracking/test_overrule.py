@@ -7,7 +7,7 @@ import numpy as np
 from vipr.systems import se3
 from vipr.systems.tracking.ahead_of_time import CORNERS, FACES, LENS, picture
 from vipr.systems.tracking.cad_model import Shape, build_model
-from vipr.systems.tracking.diagnosis import Evidence
+from vipr.systems.tracking.diagnosis import TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move
 from vipr.systems.tracking.keyframes import learn_keyframe, pyramid
 from vipr.systems.tracking.model_tracking import start, step
@@ -49,13 +49,18 @@ def test_doubt_grows_with_the_residual_and_with_the_edges_that_are_missing():
 
 def test_texture_that_few_patches_share_does_not_count_against_edges_that_fit_much_better():
     led_by = keyframe_learnt_at(X_CO, picture(X_CO, PRINTS), 0.2)
-    edges = Attempt(X_CO, np.eye(6), Evidence(edges=0.6, nodes=100, sigma=0.5, quality=0.55, unproven=True))
+    edges = Attempt(X_CO, np.eye(6), Evidence(0.6, nodes=100, sigma=0.5, quality=0.55, closeness=0.4, unproven=True))
 
     def led(texture, quality):
-        evidence = Evidence(edges=0.5, nodes=90, texture=texture, patches=64, sigma=1.3, quality=quality)
+        evidence = Evidence(0.5, 90, texture, patches=64, sigma=1.3, quality=quality, closeness=0.3)
         return Attempt(X_CO, np.eye(6), evidence, led_by=led_by)
 
     assert led(6.0, 0.35).evidence.score > edges.evidence.score
     assert not preferred(led(6.0, 0.35), edges) and preferred(edges, led(6.0, 0.35))
     assert preferred(led(20.0, 0.35), edges) and not preferred(edges, led(20.0, 0.35))
     assert not preferred(led(20.0, 0.2), edges)
+
+
+def test_edges_that_fit_nowhere_closely_are_no_proof_whatever_the_texture_says():
+    led = Evidence(0.3, 90, texture=15.0, patches=64, sigma=1.3, closeness=0.08)
+    assert led.score < TRACKING < replace(led, closeness=0.3).score

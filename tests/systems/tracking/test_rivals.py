@@ -1,5 +1,7 @@
 """Rims beside printed bands, and patches of round surfaces: a can drawn as a camera would see it."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -7,10 +9,13 @@ import pytest
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.tracking.cad_model import Shape, build_model
-from vipr.systems.tracking.displacements import corner_shift
+from vipr.systems.tracking.diagnosis import Evidence
+from vipr.systems.tracking.displacements import corner_shift, move
 from vipr.systems.tracking.keyframes import learn_keyframe, pyramid
 from vipr.systems.tracking.model_tracking import TrackerSettings, start, step
 from vipr.systems.tracking.normal_flow import cut_patch
+from vipr.systems.tracking.overrule import outdone
+from vipr.systems.tracking.sight import Attempt, Sight
 
 LENS = Lens(320, 240, 500.0, 500.0, 159.5, 119.5)
 RADIUS, HEIGHT = 0.03, 0.08  # m
@@ -71,3 +76,17 @@ def test_patches_of_a_round_surface_lie_where_they_are_seen():
     pixel = LENS.project(keyframe.p_O @ X_CO[:3, :3].T + X_CO[:3, 3])
     np.testing.assert_allclose(pixel, np.round(pixel), atol=1e-6)  # patches are centred on pixels
     np.testing.assert_allclose(np.hypot(*keyframe.p_O[:, :2].T), RADIUS, rtol=1e-9)
+
+
+def test_a_rival_that_fits_closely_takes_the_place_of_a_pose_that_does_not_and_its_texture_is_forgotten():
+    image, wrong = picture(np.random.default_rng(1)), move(X_CO, np.array([-0.06, 0.0, 0.0, 0.0, 0.0, 0.02]))
+    levels = pyramid(cut_patch(image, np.zeros(2), np.array([LENS.width, LENS.height])))
+    learnt = [learn_keyframe(levels, CAN, X, 1e-8 * np.eye(6), LENS, fit_px=px) for X, px in ((wrong, 1), (X_CO, 0.1))]
+    belief = start(wrong, keyframes=tuple(learnt))
+    sight = Sight(image, CAN, LENS, TrackerSettings(), None, belief, belief.motion, 0.0, belief.motion)
+    sight.open([wrong], margin=30.0)
+    loose = Attempt(wrong, np.eye(6), Evidence(0.5, 90, sigma=1.3, closeness=0.2), led_by=learnt[0])
+    found = outdone(sight, loose, belief.motion)
+    assert corner_shift(CAN, LENS, found.X_CO, X_CO) < 0.3 < corner_shift(CAN, LENS, wrong, X_CO)
+    assert found.against == (learnt[0],)
+    assert outdone(sight, replace(found, led_by=learnt[1]), belief.motion) is None
