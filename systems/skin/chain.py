@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -15,7 +15,7 @@ from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup
 from vipr.systems.skin.classifier import DARKEST, SkinOptions, classify, without_still
 from vipr.systems.skin.colour_model import ColourModel, initial_model, possible_table
 from vipr.systems.skin.density import components, density
-from vipr.systems.skin.first_light import first_light
+from vipr.systems.skin.first_light import LightSearch, first_light, light_again, seen
 from vipr.systems.skin.learning import histogram_of_rest, learn
 from vipr.systems.skin.regions import Found, describe
 from vipr.systems.skin.scene import Scene
@@ -31,6 +31,7 @@ class SkinBelief:
     model: ColourModel = field(default_factory=initial_model)
     scene: Scene | None = None
     gains: np.ndarray = field(default_factory=lambda: np.ones(3))  # of B, G, R, that undo the present light
+    light: LightSearch = LightSearch()
     regions: SkinRegions = field(default_factory=SkinRegions)
     learned: float = 0.0  # s, when the model was last adapted
 
@@ -55,23 +56,36 @@ def see_skin(
     ``tracks`` are those of the frame before: what is followed is not taken for a thing of the room, however still it is. ``mark`` is called
     with the name of each stage when it is done, for whoever wants to time it.
     """
+    dt = min(max(time - belief.regions.time, 1e-3), 0.5)
     small, scale = reduce(image, options.working_area)
     u = unit(small.shape)
     mark("reduction")
     gains, cut = belief.gains, belief.scene is None or belief.scene.sure.shape != small.shape[:2]
+    other_light = False
     if not cut and options.follow_light:
         gains = scene.light_change(small, belief.scene, gains)
+        correction, light = light_again(small, gains, belief.scene, belief.light, time)
+        belief = replace(belief, light=light)
+        if correction is not None:
+            gains, other_light = gains * correction, True
+            belief = replace(
+                belief, model=initial_model(), scene=scene.relit(belief.scene, correction), gains=belief.gains * correction
+            )
         mark("light")
     colours = chromaticity(small, gains)
     if cut or scene.is_cut(colours, belief.scene):
         belief, cut = SkinBelief(learned=time), True
-        gains = first_light(small) if options.follow_light else np.ones(3)
+        if options.follow_light:
+            gains, light = first_light(small, time)
+            belief = replace(belief, light=light)
+        else:
+            gains = np.ones(3)
         colours = chromaticity(small, gains)
         still, stood = scene.new_scene(colours), np.zeros(small.shape[:2], np.float32)
         rest = histogram_of_rest(colours, colours.total >= DARKEST, still)
         model = colour_model.adapt(belief.model, np.zeros_like(rest), rest, 0.3)
     else:
-        model, dt = belief.model, min(max(time - belief.regions.time, 1e-3), 0.5)
+        model = belief.model
         mark("segmentation")
         brighter = float(np.mean(gains / belief.gains))
         still, stood = scene.watch(colours, belief.scene, odd(11 * u), dt, brighter)
@@ -88,15 +102,16 @@ def see_skin(
     mark("components")
     found = describe(labels, boxes, skin, colours.luma, still)
     mark("description")
+    light = seen(belief.light, found, dt)
     learned = belief.learned
     if cut or time - learned >= LEARN_EVERY - 1e-6:
         since, learned = (0.04 if cut else min(time - learned, 0.5)), time
         still, model = learn(
-            model, colours, skin, labels, found, still, tracks if not cut else None, scale, since, options
+            model, colours, skin, labels, found, still, tracks if not (cut or other_light) else None, scale, since, options
         )
         mark("learning")
-    regions = _regions(found, labels, boxes, still, scale, image.shape, cut=cut, time=time, number=number)
-    return SkinBelief(model, still, gains, regions, learned)
+    regions = _regions(found, labels, boxes, still, scale, image.shape, cut=cut or other_light, time=time, number=number)
+    return SkinBelief(model, still, gains, light, regions, learned)
 
 
 def _moving(skin: np.ndarray, colours: Chromaticity, still: Scene) -> np.ndarray:

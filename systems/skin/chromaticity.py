@@ -13,7 +13,7 @@ from vipr.systems.compiled import compiled
 
 R_BINS, G_BINS = 96, 64  # of a table over r and g
 R_LOW, G_LOW, STEP = 0.15, 0.10, 1.0 / 160.0  # r from 0.15 to 0.75, g from 0.10 to 0.50
-_LUMA = np.array([[0.25, 0.5, 0.25]], np.float32)
+LUMA = np.array([[0.25, 0.5, 0.25]], np.float32)
 WHITE = np.ones(3)  # gains of B, G, R that leave an image alone
 
 
@@ -30,7 +30,7 @@ class Chromaticity:
 def chromaticity(image: np.ndarray, gains: np.ndarray = WHITE) -> Chromaticity:
     """Table indices of r and g of image (h, w, 3) BGR uint8, after the channels are multiplied by ``gains`` (3,)."""
     index, total, pixels = _convert(np.ascontiguousarray(image), np.asarray(gains, np.float32))
-    return Chromaticity(index, total, pixels, cv2.transform(pixels, _LUMA))
+    return Chromaticity(index, total, pixels, cv2.transform(pixels, LUMA))
 
 
 @compiled

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from vipr.systems.compiled import compiled
-from vipr.systems.skin.chromaticity import Chromaticity
+from vipr.systems.skin.chromaticity import LUMA, Chromaticity
 
 SETTLE = 1.2  # s after which an unchanging pixel is surely background
 FORGET = 0.6  # s after which a changed pixel is no longer
@@ -160,6 +160,18 @@ def _same(pixels, then, luma, margin):
         away = away if away > red else red
         same[k] = np.float32(1.0) if away < margin + np.float32(0.04) * bright[k] else np.float32(0.0)
     return same.reshape(luma.shape)
+
+
+def stood(colours: Chromaticity, scene: Scene) -> np.ndarray:
+    """(h, w) float32, 0 to 1, how surely each pixel shows what always stood there."""
+    margin = np.float32(5.0 + 4.0 * scene.noise)
+    return _same(colours.pixels, scene.pixels, colours.luma, margin) * scene.sure
+
+
+def relit(scene: Scene, correction: np.ndarray) -> Scene:
+    """The scene after the gains have been multiplied by a correction (3,), because the light is believed to be another."""
+    pixels = scene.pixels * correction.astype(np.float32)
+    return replace(scene, pixels=pixels, luma=cv2.transform(pixels, LUMA))
 
 
 def forget(scene: Scene, where: np.ndarray) -> Scene:
