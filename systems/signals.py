@@ -92,7 +92,7 @@ class SkinRegions(Signal):
     motion: np.ndarray = empty(0, 0, dtype=np.uint8)  # (h', w'), 255 where something moves, fading within a second
     scale: float = 1.0  # pixels of the frame in one pixel of ``labels``
     size: tuple[int, int] = (0, 0)  # (width, height) of the frame, px; (0, 0) before the first
-    cut: bool = True  # the frame shows another scene than the one before: nothing goes on
+    cut: bool = True  # another scene than the frame before, or seen under a light that is believed to be another: nothing goes on
     time: float = 0.0  # s, middle of the exposure
     number: int = -1  # of the camera frame
 

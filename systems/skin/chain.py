@@ -15,7 +15,7 @@ from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup
 from vipr.systems.skin.classifier import DARKEST, SkinOptions, classify, without_still
 from vipr.systems.skin.colour_model import ColourModel, initial_model, possible_table
 from vipr.systems.skin.density import components, density
-from vipr.systems.skin.first_light import LightSearch, first_light, light_again, seen
+from vipr.systems.skin.first_light import LightSearch, face_seen, first_light, light_again
 from vipr.systems.skin.learning import histogram_of_rest, learn
 from vipr.systems.skin.regions import Found, describe
 from vipr.systems.skin.scene import Scene
@@ -61,25 +61,18 @@ def see_skin(
     u = unit(small.shape)
     mark("reduction")
     gains, cut = belief.gains, belief.scene is None or belief.scene.sure.shape != small.shape[:2]
-    other_light = False
+    anew = cut  # nothing is known yet of the person under this light
     if not cut and options.follow_light:
         gains = scene.light_change(small, belief.scene, gains)
         correction, light = light_again(small, gains, belief.scene, belief.light, time)
         belief = replace(belief, light=light)
         if correction is not None:
-            gains, other_light = gains * correction, True
-            belief = replace(
-                belief, model=initial_model(), scene=scene.relit(belief.scene, correction), gains=belief.gains * correction
-            )
+            gains, belief, anew = gains * correction, _relit(belief, correction), True
         mark("light")
     colours = chromaticity(small, gains)
     if cut or scene.is_cut(colours, belief.scene):
-        belief, cut = SkinBelief(learned=time), True
-        if options.follow_light:
-            gains, light = first_light(small, time)
-            belief = replace(belief, light=light)
-        else:
-            gains = np.ones(3)
+        gains, light = first_light(small, time) if options.follow_light else (np.ones(3), LightSearch())
+        belief, cut, anew = SkinBelief(light=light, learned=time), True, True
         colours = chromaticity(small, gains)
         still, stood = scene.new_scene(colours), np.zeros(small.shape[:2], np.float32)
         rest = histogram_of_rest(colours, colours.total >= DARKEST, still)
@@ -102,16 +95,21 @@ def see_skin(
     mark("components")
     found = describe(labels, boxes, skin, colours.luma, still)
     mark("description")
-    light = seen(belief.light, found, dt)
+    light = face_seen(belief.light, found, dt)
     learned = belief.learned
     if cut or time - learned >= LEARN_EVERY - 1e-6:
         since, learned = (0.04 if cut else min(time - learned, 0.5)), time
-        still, model = learn(
-            model, colours, skin, labels, found, still, tracks if not (cut or other_light) else None, scale, since, options
-        )
+        known = None if anew else tracks
+        still, model = learn(model, colours, skin, labels, found, still, known, scale, since, options)
         mark("learning")
-    regions = _regions(found, labels, boxes, still, scale, image.shape, cut=cut or other_light, time=time, number=number)
+    regions = _regions(found, labels, boxes, still, scale, image.shape, cut=anew, time=time, number=number)
     return SkinBelief(model, still, gains, light, regions, learned)
+
+
+def _relit(belief: SkinBelief, correction: np.ndarray) -> SkinBelief:
+    """The belief after the light is believed to be another: the scene is kept, what skin looks like is learned anew."""
+    relit = scene.relit(belief.scene, correction)
+    return replace(belief, model=initial_model(), scene=relit, gains=belief.gains * correction)
 
 
 def _moving(skin: np.ndarray, colours: Chromaticity, still: Scene) -> np.ndarray:

@@ -65,6 +65,12 @@ def bin_centres() -> tuple[np.ndarray, np.ndarray]:
     return R_LOW + STEP * np.arange(R_BINS)[:, None], G_LOW + STEP * np.arange(G_BINS)[None, :]
 
 
+def nearest_index(r: np.ndarray, g: np.ndarray) -> np.ndarray:
+    """Table indices uint16 of r and g (arrays), clipped as those of an image."""
+    r_bin, g_bin = (np.clip(np.rint((x - low) / STEP), 0, 255).astype(np.uint16) for x, low in ((r, R_LOW), (g, G_LOW)))
+    return (r_bin << np.uint16(8)) + g_bin
+
+
 def by_index(table: np.ndarray) -> np.ndarray:
     """(256, 256) read-only: the values of a table (R_BINS, G_BINS) where indices point; zero beyond the table."""
     padded = np.zeros((256, 256), table.dtype)

@@ -47,6 +47,12 @@ def possible_table() -> np.ndarray:
     return by_index((_prior() > 2e-6).astype(np.float32))
 
 
+@lru_cache(maxsize=1)
+def usual_table() -> np.ndarray:
+    """(256, 256) float32 by index, 0 to 1: how usual a colour is for skin."""
+    return by_index(np.sqrt(_prior() / _prior().max()))
+
+
 @dataclass(frozen=True, eq=False)
 class ColourModel:
     """Histograms of skin and of the rest, normalised to 1, in chromaticity freed of the light."""

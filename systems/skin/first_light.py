@@ -1,4 +1,8 @@
-"""The light of a picture which nothing is known about yet: guessed from the first frame, and again as long as no face shows under it."""
+"""The light of a picture which nothing is known about yet: guessed from the first frame, and again as long as no face shows under it.
+
+Lights are black bodies, judged by how much the best region of skin under each looks like a face, how usual its colour then is for skin, and
+whether anything in the room is as blue as grey is.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -6,21 +10,25 @@ import numpy as np
 
 from vipr.systems.camera.illumination import WHITE_KELVIN, light_gains
 from vipr.systems.skin import colour_model, scene
-from vipr.systems.skin.chromaticity import chromaticity
+from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup, nearest_index
 from vipr.systems.skin.classifier import DARKEST, SkinOptions, classify, without_still
-from vipr.systems.skin.colour_model import initial_model
+from vipr.systems.skin.colour_model import initial_model, usual_table
 from vipr.systems.skin.density import components, density
 from vipr.systems.skin.learning import SURE_FACE, histogram_of_rest
 from vipr.systems.skin.regions import Found, describe
 from vipr.systems.skin.scene import Scene
 from vipr.systems.skin.working_image import odd, unit
 
-KELVINS = (WHITE_KELVIN, 3000.0, 3600.0, 4300.0, 6200.0, 7600.0)  # tried beside the light that is believed, the first
-BLUEST = (0.0, 0.7)  # log B/R of the bluest tenth of a room under its own light: something in it is grey, and seldom much is blue
-UNLIKELY = 0.6  # looks of a face that a unit of log B/R beyond these limits takes away
-HEAD_START = 0.12  # looks of a face, by which another light must beat the one that is believed
+KELVINS = (WHITE_KELVIN, 3000.0, 3600.0, 4300.0, 6200.0, 7600.0)  # the first is the light that is believed
+HEAD_START, HEAD_START_LATER = (
+    0.12,
+    0.05,
+)  # looks of a face by which others must beat it: in one frame, over several guesses
+GREY = 0.0  # log B/R that the bluest tenth of a room reaches under white light: something in it is grey
+STRANGE = 0.1  # of log B/R below, from which a light is given up for one that is less strange, though no face shows
 FACE_SEEN = 0.5  # s, in which the memory of a face's looks halves
-FIRST_WAIT, LONGEST_WAIT, LONGER = 0.2, 1.0, 1.2  # s between guesses, and by how much it grows
+FIRST_WAIT, LONGEST_WAIT, LONGER = 0.2, 1.0, 1.2  # s between guesses, and by how much they grow
+FRESH = 0.4  # share of the newest guess in the looks
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,78 +38,89 @@ class LightSearch:
     face: float = 0.0  # looks of the best face of late
     looks: np.ndarray | None = None  # (k,) under each light that is tried, over some guesses; None before the first
     due: float = 0.0  # s, when to guess again
-    wait: float = FIRST_WAIT  # s
+    wait: float = FIRST_WAIT  # s, from there to the guess after that
 
 
 def first_light(small: np.ndarray, time: float) -> tuple[np.ndarray, LightSearch]:
-    """(3,) gains that undo the light of a first picture (h, w, 3) uint8: those under which some region looks most like a face."""
+    """(3,) gains that undo the light of a first picture (h, w, 3) uint8; white light wins where nothing is better by far."""
     corrections = _corrections()
     looks = _looks_under(small, np.ones(3), None, corrections)
-    best = _chosen(looks)
-    return corrections[best], LightSearch(float(looks[best]), None, time + FIRST_WAIT)
-
-
-def seen(search: LightSearch, found: Found, dt: float) -> LightSearch:
-    """The search after a frame in which ``found`` was seen."""
-    keep = 0.5 ** (dt / FACE_SEEN)
-    return replace(search, face=keep * search.face + (1.0 - keep) * _best_look(found))
+    best = _likeliest(looks, HEAD_START)
+    return corrections[best], LightSearch(float(looks[best]), due=time + FIRST_WAIT)
 
 
 def light_again(
     small: np.ndarray, gains: np.ndarray, still: Scene, search: LightSearch, time: float
 ) -> tuple[np.ndarray | None, LightSearch]:
-    """(3,) by what the gains should be multiplied, None to leave them: another light if, over several guesses, a face shows under it only."""
+    """(3,) by what the gains should be multiplied, None to leave them: another light, if no face shows under this one.
+
+    Over several guesses, a face must show under the other; or the room must look strange in this one.
+    """
     if search.face > SURE_FACE or time < search.due:
         return None, search
     corrections = _corrections()
-    fresh = _looks_under(small, gains, still, corrections)
-    looks = fresh if search.looks is None else search.looks + 0.4 * (fresh - search.looks)
-    search = replace(search, looks=looks, due=time + search.wait, wait=min(LONGER * search.wait, LONGEST_WAIT))
-    best = _chosen(looks)
-    if best == 0 or looks[best] < SURE_FACE:
-        return None, search
-    return corrections[best], LightSearch(float(looks[best]), None, time + FIRST_WAIT, search.wait)
+    looks = _looks_under(small, gains, still, corrections)
+    if search.looks is not None:
+        looks = search.looks + FRESH * (looks - search.looks)
+    wait = min(LONGER * search.wait, LONGEST_WAIT)
+    best = _likeliest(looks, HEAD_START_LATER)
+    if best == 0 or (looks[best] < SURE_FACE and looks[0] > -STRANGE):
+        return None, LightSearch(search.face, looks, time + search.wait, wait)
+    return corrections[best], LightSearch(float(looks[best]), due=time + search.wait, wait=wait)
+
+
+def face_seen(search: LightSearch, found: Found, dt: float) -> LightSearch:
+    """The search ``dt`` s later, when ``found`` was seen under the light that is believed."""
+    keep = 0.5 ** (dt / FACE_SEEN)
+    return replace(search, face=keep * search.face + (1.0 - keep) * float(_looks(found).max(initial=0.0)))
 
 
 def _corrections() -> np.ndarray:
     return np.array([1.0 / light_gains(1.0, kelvin) for kelvin in KELVINS])
 
 
-def _chosen(looks: np.ndarray) -> int:
-    return int(np.argmax(looks + HEAD_START * (np.arange(len(looks)) == 0)))
+def _likeliest(looks: np.ndarray, head_start: float) -> int:
+    best = int(np.argmax(looks))
+    return best if looks[best] > looks[0] + head_start else 0
 
 
 def _looks_under(small: np.ndarray, gains: np.ndarray, still: Scene | None, corrections: np.ndarray) -> np.ndarray:
-    """(k,) how much the best region looks like a face after each correction, less what the colours of the room say against it."""
+    """(k,) how much the best region looks like a face after each correction of the gains, less how strange the room's colours are then."""
     bluest = _bluest(small) + np.log(corrections[:, 0] * gains[0] / (corrections[:, 2] * gains[2]))
-    strange = np.maximum(BLUEST[0] - bluest, 0.0) + np.maximum(bluest - BLUEST[1], 0.0)
-    return np.array([_look(small, gains * c, still and scene.relit(still, c)) for c in corrections]) - UNLIKELY * strange
+    looks = np.array([_look(small, gains * c, still and scene.relit(still, c)) for c in corrections])
+    return looks - np.maximum(GREY - bluest, 0.0)
 
 
 def _bluest(small: np.ndarray) -> float:
-    """log B/R that a tenth of the well exposed pixels exceeds; in the middle of what is usual where there are none."""
+    """log B/R that a tenth of the well exposed pixels exceeds; that of grey where there are hardly any."""
     some = small[::3, ::3].reshape(-1, 3).astype(np.float32)
     some = some[(some.min(1) > 8) & (some.max(1) < 250)]
-    if len(some) < 60:
-        return 0.5 * sum(BLUEST)
-    return float(np.quantile(np.log(some[:, 0] / some[:, 2]), 0.9))
+    return float(np.quantile(np.log(some[:, 0] / some[:, 2]), 0.9)) if len(some) > 60 else GREY
 
 
 def _look(small: np.ndarray, gains: np.ndarray, still: Scene | None) -> float:
-    u = unit(small.shape)
-    colours = chromaticity(small, gains)
-    skin_apart = still is not None
-    still = scene.new_scene(colours) if still is None else still
-    rest = histogram_of_rest(colours, colours.total >= DARKEST, still)
-    model = colour_model.adapt(initial_model(), np.zeros_like(rest), rest, 0.3)
-    skin = classify(small, colours, model, SkinOptions())
-    if skin_apart:
+    """0 to 1, how much some region under these gains looks like a face, without what always stood there if that is known."""
+    u, colours = unit(small.shape), chromaticity(small, gains)
+    room = scene.new_scene(colours) if still is None else still
+    rest = histogram_of_rest(colours, colours.total >= DARKEST, room)
+    skin = classify(small, colours, colour_model.adapt(initial_model(), np.zeros_like(rest), rest, 0.3), SkinOptions())
+    if still is not None:
         skin = without_still(skin, scene.stood(colours, still))
     labels, areas, boxes = components(density(skin, odd(3.4 * u)), 120, 40.0 * u * u, 6)
-    return _best_look(describe(labels, boxes, skin, colours.luma, still)) if len(areas) else 0.0
+    if not len(areas):
+        return 0.0
+    found = describe(labels, boxes, skin, colours.luma, room)
+    return float((_looks(found) * _usual(labels, len(areas), colours)).max())
 
 
-def _best_look(found: Found) -> float:
-    """0 to 1, how much the best of the regions looks like a face that is one compact region."""
+def _looks(found: Found) -> np.ndarray:
+    """(n,) 0 to 1, how much each region looks like a face that is one compact region."""
     compact = np.clip(4.0 - found.areas / (np.pi * np.maximum(found.cores[:, 2], 1.0) ** 2), 0.0, 2.0) / 2.0
-    return float((found.faceness * (0.5 + 0.5 * compact)).max(initial=0.0))
+    return found.faceness * (0.5 + 0.5 * compact)
+
+
+def _usual(labels: np.ndarray, n: int, colours: Chromaticity) -> np.ndarray:
+    """(n,) 0 to 1, how usual the mean colour of each region is for skin."""
+    sums = [np.bincount(labels.ravel(), colours.pixels[:, :, c].ravel(), n + 1)[1:] for c in range(3)]
+    total = np.maximum(sum(sums), 1e-6)
+    return lookup(usual_table(), nearest_index(sums[2] / total, sums[1] / total)[None])[0]
