@@ -7,7 +7,7 @@ import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from vipr.diagrams.stages import Maker, Stages, connect
-from vipr.diagrams.workcell import Workcell
+from vipr.diagrams.workcell import SET_POINTS, Workcell
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.camera.lens import Lens
 from vipr.systems.grasping.pick import Picker
@@ -26,7 +26,7 @@ class Schedule:
     """Periods and offsets [s]; one camera tick every 40 ms."""
 
     camera: float = 0.04
-    arm: float = 0.01
+    arm: float = SET_POINTS
     task: float = 0.02
     tracker_offset: float = 0.020
     task_offset: float = 0.003

@@ -7,7 +7,7 @@ import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 
 from vipr.diagrams.stages import Maker, Stages, connect
-from vipr.diagrams.workcell import Workcell
+from vipr.diagrams.workcell import SET_POINTS, Workcell
 from vipr.systems.arm.commander import ArmCommander
 from vipr.systems.arm.limit_use import LimitUse
 from vipr.systems.camera.lens import Lens
@@ -34,7 +34,7 @@ class Schedule:
     """Periods and offsets of the loop [s]; one camera tick every 40 ms."""
 
     camera: float = 0.04
-    arm: float = 0.01
+    arm: float = SET_POINTS
     tracker_offset: float = 0.020
     delay_offset: float = 0.021
     delay_frames: int = 0  # by which poses come late, beyond the offsets

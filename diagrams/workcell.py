@@ -10,16 +10,13 @@ from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains, Spatia
 from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from vipr.diagrams.workcell_layout import JOINT_LIMITS, collision_guard, fixed_camera, puma_with_hand, standing
 from vipr.models import model_path, object_names
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.arm.encoders import JointEncoders
-from vipr.systems.arm.guard import CollisionGuard
-from vipr.systems.arm.kinematics import SerialArm
-from vipr.systems.arm.puma_body import hand_guard
-from vipr.systems.arm.resolved_rate import JointLimits
 from vipr.systems.arm.set_points import SetPointInterpolator
-from vipr.systems.arm.shapes import Shape, box, cylinder
+from vipr.systems.arm.shapes import Shape, box
 from vipr.systems.camera.camera import Camera
 from vipr.systems.camera.imperfections import Imperfection
 from vipr.systems.camera.lens import Lens, load_lens
@@ -32,60 +29,13 @@ from vipr.systems.tracking.cad_model import load_model
 from vipr.systems.truth import PoseTruth
 
 RENDERER = "vtk"
-STAGE = np.array([0.55, 0.0, 0.52])  # m, middle of the stage's plate at its zero
-STAGE_TRAVEL = np.array([0.20, 0.15, np.pi])  # m, m, rad: each way
 
 # Joint servo: stiff in the first three joints; damping against the inertia of rotor and links (N m/rad, N m s/rad).
 STIFFNESS = np.array([4000.0, 4000.0, 3000.0, 400.0, 400.0, 400.0])
 DAMPING = 1.8 * np.sqrt(STIFFNESS * np.maximum(0.3, puma560.REFLECTED_INERTIA))
-# rad/s^2, of the set-points. All joints at once at these and at the servo's speeds take 53 % of a joint's effort limit at most, anywhere.
-ACCELERATION = np.array([5.0, 5.0, 7.5, 15.0, 15.0, 15.0])
-JOINT_LIMITS = JointLimits(puma560.POSITION_LOWER, puma560.POSITION_UPPER, puma560.VELOCITY_LIMIT, ACCELERATION)
 SET_POINTS = 0.01  # s, their period, which the joint servo is made for
 ARM_COUNT = 2 * np.pi / (1000 * np.abs(puma560.GEAR_RATIO))  # rad, encoders of 1000 counts a motor turn
 HAND_COUNT = 2 * np.pi / (360 * np.array([17.5, 125, 375, 17.5, 125, 375, 125, 375]))  # rad, 360 counts a motor turn
-
-
-def fixed_camera(distance: float = 2.0) -> np.ndarray:
-    """X_WC of the camera on its tripod: before the stage, to its right, looking a little down, at the given distance [m]."""
-    target, direction = STAGE + [0, 0, 0.16], np.array([0.80, -0.50, 0.33])
-    z = -direction / np.linalg.norm(direction)
-    x = np.cross(z, [0.0, 0.0, 1.0])
-    x /= np.linalg.norm(x)
-    return se3.pose(np.column_stack([x, np.cross(z, x), z]), target - distance * z)
-
-
-def puma_with_hand() -> SerialArm:
-    """The arm's kinematics with the hand's grasp centre as tool E."""
-    X_6E = se3.pose(np.eye(3), [0.0, 0.0, puma560.FLANGE + GRASP_HEIGHT])
-    return SerialArm(puma560.D, puma560.A, puma560.ALPHA, X_6E)
-
-
-def obstacles(stage: np.ndarray | None = None) -> tuple[Shape, ...]:
-    """What the arm must not touch, in W: floor, table, and the stage with its plate at x, y [m], yaw [rad].
-
-    Without ``stage`` the plate counts as wherever it can go. A test compares the shapes with ``models/``.
-    """
-    if stage is None:
-        plate = box("stage", (0.58, 0.48, 0.02), se3.pose(np.eye(3), STAGE - [0, 0, 0.01]))
-    else:
-        plate = cylinder("stage", 0.09, 0.008, se3.pose(np.eye(3), STAGE + [stage[0], stage[1], -0.004]))
-    return (
-        box("floor", (5.8, 5.2, 0.1), se3.pose(np.eye(3), [1.3, 0.0, -0.05])),
-        box("table", (0.8, 1.2, 0.03), se3.pose(np.eye(3), [0.75, 0.0, 0.485])),
-        box("stage_foot", (0.48, 0.36, 0.012), se3.pose(np.eye(3), STAGE - [0, 0, 0.014])),
-        plate,
-    )
-
-
-def collision_guard(held: tuple[Shape, ...] = ()) -> CollisionGuard:
-    """Keeps arm and hand from the workcell and from themselves."""
-    return hand_guard(puma_with_hand(), obstacles(), held=held)
-
-
-def standing(stage: np.ndarray) -> np.ndarray:
-    """X_WO of an object that stands in the middle of the plate of the stage at x, y [m], yaw [rad]."""
-    return se3.pose(se3.exp_so3(np.array([0.0, 0.0, stage[2]])), STAGE + [stage[0], stage[1], 0.0])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vipr.diagrams.workcell import STAGE_TRAVEL, WorkcellConfig, fixed_camera, standing
+from vipr.diagrams.workcell import WorkcellConfig
+from vipr.diagrams.workcell_layout import STAGE_TRAVEL, fixed_camera, standing
 from vipr.scenarios.motions import out_and_back
 from vipr.scenarios.servoing import ServoingSettings, ServoScenario, above, direction, joints_for
 from vipr.scenarios.settings import require_within

@@ -9,7 +9,8 @@ from pydrake.systems.primitives import ConstantVectorSource
 
 from vipr.diagrams.pick import PickRobot
 from vipr.diagrams.stages import Maker
-from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed_camera
+from vipr.diagrams.workcell import Workcell, WorkcellConfig
+from vipr.diagrams.workcell_layout import JOINT_LIMITS, fixed_camera
 from vipr.models import model_path, object_names
 from vipr.scenarios.camera_knowledge import CameraKnowledge
 from vipr.scenarios.placements import LIES, LOOKING, Placement, around, check, random_placement, ways_to_lie

@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.systems.framework import Context, Diagram
 
 from vipr.diagrams.pick_then_place import PickThenPlace
-from vipr.diagrams.workcell import JOINT_LIMITS, puma_with_hand
+from vipr.diagrams.workcell_layout import JOINT_LIMITS, puma_with_hand
 from vipr.scenarios.pick import Pick, PickScenarioSettings, farthest_in_hand
 from vipr.scenarios.place_by_showing import PlaceByShowing, PlaceSettings, in_view
 from vipr.scenarios.placements import Placement, around

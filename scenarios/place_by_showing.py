@@ -9,7 +9,8 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from vipr.diagrams.workcell import STAGE, Workcell, WorkcellConfig, fixed_camera
+from vipr.diagrams.workcell import Workcell, WorkcellConfig
+from vipr.diagrams.workcell_layout import STAGE, fixed_camera
 from vipr.scenarios.motions import out_and_back
 from vipr.scenarios.replacements import load_stages
 from vipr.scenarios.servoing import (

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vipr.diagrams.workcell import STAGE, obstacles, puma_with_hand
+from vipr.diagrams.workcell_layout import STAGE, obstacles, puma_with_hand
 from vipr.systems import se3
 from vipr.systems.arm.resolved_rate import JointLimits
 from vipr.systems.errors import InputError

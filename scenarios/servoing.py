@@ -11,7 +11,8 @@ from pydrake.trajectories import Trajectory
 
 from vipr.diagrams.servo_loop import workcell_loop
 from vipr.diagrams.servo_robot import STOPPING_TIME, Schedule, ServoRobot
-from vipr.diagrams.workcell import Workcell, WorkcellConfig, puma_with_hand
+from vipr.diagrams.workcell import Workcell, WorkcellConfig
+from vipr.diagrams.workcell_layout import puma_with_hand
 from vipr.models import model_path, object_names
 from vipr.scenarios.camera_knowledge import CameraKnowledge
 from vipr.scenarios.replacements import load_stages

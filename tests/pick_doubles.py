@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vipr.diagrams.workcell import JOINT_LIMITS, fixed_camera, puma_with_hand
+from vipr.diagrams.workcell_layout import JOINT_LIMITS, fixed_camera, puma_with_hand
 from vipr.systems import se3
 from vipr.systems.grasping.grasp import Grasp, GraspTable, Symmetry
 from vipr.systems.grasping.pick import Picker

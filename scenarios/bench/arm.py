@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from vipr.diagrams.workcell import JOINT_LIMITS, collision_guard, obstacles, puma_with_hand
+from vipr.diagrams.workcell_layout import JOINT_LIMITS, collision_guard, obstacles, puma_with_hand
 from vipr.scenarios.bench.arm_stop import stopping
 from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.model_distances import ModelDistances

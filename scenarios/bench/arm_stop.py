@@ -9,7 +9,8 @@ from pydrake.systems.primitives import ConstantVectorSource, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from vipr.diagrams.servo_robot import STOPPING_TIME, Schedule
-from vipr.diagrams.workcell import Workcell, WorkcellConfig, collision_guard, held_shapes, obstacles
+from vipr.diagrams.workcell import Workcell, WorkcellConfig, held_shapes
+from vipr.diagrams.workcell_layout import collision_guard, obstacles
 from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.motions import out_and_back
 from vipr.scenarios.servoing import stage_and_fingers

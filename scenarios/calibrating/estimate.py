@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vipr.diagrams.workcell import STAGE
+from vipr.diagrams.workcell_layout import STAGE
 from vipr.scenarios.calibrating.views import Truth
 from vipr.systems import se3
 from vipr.systems.calibration.board import Board, find_board

@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from vipr.diagrams.workcell import Workcell, WorkcellConfig, fixed_camera, obstacles, puma_with_hand
+from vipr.diagrams.workcell import Workcell, WorkcellConfig
+from vipr.diagrams.workcell_layout import fixed_camera, obstacles, puma_with_hand
 from vipr.models import model_path
 from vipr.systems import se3
 from vipr.systems.arm import puma560

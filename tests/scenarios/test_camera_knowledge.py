@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from vipr.diagrams.workcell import fixed_camera
+from vipr.diagrams.workcell_layout import fixed_camera
 from vipr.models import model_path
 from vipr.scenarios.align import Align, AlignSettings
 from vipr.scenarios.camera_knowledge import CameraKnowledge

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from vipr.diagrams.workcell import fixed_camera
+from vipr.diagrams.workcell_layout import fixed_camera
 from vipr.models import model_path
 from vipr.scenarios.command import main
 from vipr.scenarios.place_by_showing import PlaceByShowing, PlaceSettings

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vipr.diagrams.workcell import STAGE
+from vipr.diagrams.workcell_layout import STAGE
 from vipr.scenarios.bench.benchmark import Bench
 from vipr.scenarios.bench.servo.trial import LAWS, Setting, fly
 from vipr.scenarios.bench.tables import Table

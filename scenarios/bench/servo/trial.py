@@ -11,7 +11,7 @@ from pydrake.trajectories import Trajectory
 
 from vipr.diagrams.geometric_servo import GeometricServo
 from vipr.diagrams.servo_robot import STOPPING_TIME
-from vipr.diagrams.workcell import JOINT_LIMITS, STAGE, collision_guard, puma_with_hand
+from vipr.diagrams.workcell_layout import JOINT_LIMITS, STAGE, collision_guard, puma_with_hand
 from vipr.scenarios.servoing import WORKSPACE, ServoScenario, stage_and_fingers
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens

@@ -7,7 +7,8 @@ from vipr.diagrams.hand_bench import HandBench, HandBenchConfig
 from vipr.diagrams.pick import PickRobot
 from vipr.diagrams.pick_then_place import PickThenPlace
 from vipr.diagrams.servo_robot import Schedule, ServoRobot
-from vipr.diagrams.workcell import JOINT_LIMITS, Workcell, WorkcellConfig, fixed_camera, puma_with_hand, standing
+from vipr.diagrams.workcell import Workcell, WorkcellConfig
+from vipr.diagrams.workcell_layout import JOINT_LIMITS, fixed_camera, puma_with_hand, standing
 from vipr.models import model_path
 from vipr.systems import se3
 from vipr.systems.arm import puma560

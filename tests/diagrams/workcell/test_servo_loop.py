@@ -8,7 +8,8 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from vipr.diagrams.servo_loop import arm_response, workcell_loop
 from vipr.diagrams.servo_robot import Schedule
-from vipr.diagrams.workcell import Workcell, WorkcellConfig, standing
+from vipr.diagrams.workcell import Workcell, WorkcellConfig
+from vipr.diagrams.workcell_layout import standing
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.arm.commander import ArmCommander

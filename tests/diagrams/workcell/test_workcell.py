@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from vipr.diagrams.workcell import Workcell, fixed_camera
+from vipr.diagrams.workcell import Workcell
+from vipr.diagrams.workcell_layout import fixed_camera
 from vipr.systems.hand.finger import GRASP_HEIGHT
 
 from examples import EXAMPLES

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vipr.diagrams.servo_robot import STOPPING_TIME
-from vipr.diagrams.workcell import JOINT_LIMITS
+from vipr.diagrams.workcell_layout import JOINT_LIMITS
 from vipr.scenarios.align import Follow, FollowSettings
 from vipr.scenarios.bench.servo.calibration import wrong
 from vipr.scenarios.bench.servo.hard import CASES, looking

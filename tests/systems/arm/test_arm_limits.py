@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vipr.diagrams.workcell import JOINT_LIMITS as LIMITS
-from vipr.diagrams.workcell import collision_guard, puma_with_hand
+from vipr.diagrams.workcell_layout import JOINT_LIMITS as LIMITS
+from vipr.diagrams.workcell_layout import collision_guard, puma_with_hand
 from vipr.scenarios.bench.arm import DrivenArm, random_twists
 from vipr.systems import se3
 from vipr.systems.arm import puma560

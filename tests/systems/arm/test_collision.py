@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from vipr.diagrams.workcell import WorkcellConfig, collision_guard, held_shapes, obstacles, puma_with_hand
+from vipr.diagrams.workcell import WorkcellConfig, held_shapes
+from vipr.diagrams.workcell_layout import collision_guard, obstacles, puma_with_hand
 from vipr.scenarios.bench.arm import MODEL_LESS, random_configuration
 from vipr.scenarios.bench.model_distances import ModelDistances
 from vipr.systems import se3

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vipr.diagrams.workcell import fixed_camera
+from vipr.diagrams.workcell_layout import fixed_camera
 from vipr.systems import se3
 from vipr.systems.calibration.board import Board, BoardView
 from vipr.systems.calibration.bundle import ArmAccuracy, Model, Observations, _linearise, _moved

@@ -3,7 +3,7 @@
 import numpy as np
 from pick_doubles import X_WO, picker, sighting
 
-from vipr.diagrams.workcell import fixed_camera
+from vipr.diagrams.workcell_layout import fixed_camera
 from vipr.systems import se3
 from vipr.systems.arm import puma560
 from vipr.systems.grasping.hand_over import Arrival, HandOver

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vipr.diagrams.workcell import fixed_camera
+from vipr.diagrams.workcell_layout import fixed_camera
 from vipr.systems import se3
 from vipr.systems.grasping.support import Support, settled, settled_doubt
 
