@@ -77,7 +77,9 @@ def train_language(reels: list[Reel], seed: int = 0, updates: int = 500, tick=la
     label = labels[movements.film]
     use = movements.main | (label == GARBAGE)
     X = [t for t, u in zip(movements.trajectories, use, strict=True) if u]
-    classifier = GestureClassifier("placed", garbage=GARBAGE, distortion=0.7, backwards=0.0, updates=updates, seed=seed)
+    classifier = GestureClassifier(
+        "placed", garbage=GARBAGE, distortion=0.7, backwards=0.0, timed=True, updates=updates, seed=seed
+    )
     return classifier.fit(X, label[use], tick=tick)
 
 

@@ -3,7 +3,8 @@
 Each stream describes a trajectory in its own way, as movement or as the picture it leaves, and has one left-right HMM a gesture, more
 where a gesture is made in clearly different ways. The models are trained by likelihood (segmental, Baum-Welch), then sharpened against
 each other by mutual information; the streams' log posteriors are averaged. Whether something is a gesture at all is asked of the
-likelihood: is it, per point, far below what held-out examples reached beside a garbage model of all gestures together?
+likelihood: is it, per point, far below what held-out examples reached beside a garbage model of all gestures together? If times count,
+its duration is asked too.
 """
 
 from dataclasses import fields
@@ -13,7 +14,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
 from vipr.systems.errors import InputError
-from vipr.systems.gestures.rejection import fit_gate
+from vipr.systems.gestures.rejection import fit_gate, fit_pace
 from vipr.systems.gestures.stream_models import StreamOptions, fit_stream
 from vipr.systems.gestures.trajectories import Stream, clean, describe, resample
 
@@ -53,20 +54,21 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     priors : "observed" (as in training) or "uniform"
     garbage : label of non-gestures in y, if any; they shape the garbage model and the threshold, and ``predict`` may answer with it
     false_rejection : share of held-out gestures that the threshold may reject
+    timed : times are in seconds, and what takes far less or more time than the gesture did in training is rejected
     seed : of everything random
 
-    After ``fit``: ``classes_``, ``streams_`` (the models), ``gate_``, ``skipped_`` (indices left out).
+    After ``fit``: ``classes_``, ``streams_`` (the models), ``gate_``, ``pace_``, ``skipped_`` (indices left out).
     """
 
     def __init__(
         self, streams="default", states=8, covariance="diag", mixtures=1, allograph_gain=0.3, discriminative=True, distortion=1.0,
-        backwards=0.08, priors="observed", garbage=None, false_rejection=0.01, updates=500, seed=0,
+        backwards=0.08, priors="observed", garbage=None, false_rejection=0.01, timed=False, updates=500, seed=0,
     ):  # fmt: skip
         self.streams, self.states, self.covariance, self.mixtures = streams, states, covariance, mixtures
         self.allograph_gain, self.discriminative = allograph_gain, discriminative
         self.distortion, self.backwards = distortion, backwards
         self.priors, self.garbage, self.false_rejection = priors, garbage, false_rejection
-        self.updates, self.seed = updates, seed
+        self.timed, self.updates, self.seed = timed, updates, seed
 
     def fit(self, X, y, tick=lambda share: None):
         """Train on trajectories X with labels y. ``tick(share)`` is told what share of the work is done."""
@@ -100,6 +102,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         self.garbage_ = int(foreign[0]) if len(foreign) else -1
         points = resample(good, streams[0].sampling, streams[0].points)
         self.gate_ = fit_gate(points, streams[0], labels, self.garbage_, self.false_rejection, self.seed)
+        self.pace_ = fit_pace(_seconds(good), labels)
         tick(1.0)
         return self
 
@@ -127,7 +130,10 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         return self.classes_[label], probability, rejected
 
     def margins(self, X):
-        """(N,) what the gate judges by: log likelihood per point above the garbage model's, of the best gesture; -inf if unjudged."""
+        """(N,) what the gate judges by: log likelihood per point above the garbage model's, of the best gesture.
+
+        -inf if unjudged, or if its duration is none of that gesture.
+        """
         return self._judge(X)[3]
 
     def _judge(self, X):
@@ -137,7 +143,8 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         prior = np.log(self.counts_ / self.counts_.sum())
         usual = prior if self.priors == "observed" else np.full(len(prior), -np.log(len(prior)))
         log_posterior, margin = np.tile(usual, (len(cleaned), 1)), np.full(len(cleaned), -np.inf)
-        views = self._describe([t for t in cleaned if t is not None]) if kept.any() else {}
+        good = [t for t in cleaned if t is not None]
+        views = self._describe(good) if good else {}
         if views:
             log_posterior[kept] = self._log_posterior(views, prior)
         named = log_posterior.copy()
@@ -146,6 +153,8 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         label = named.argmax(axis=1)
         if views:
             margin[kept] = self.gate_.margin(views[self._streams()[0]], label[kept])
+            if self.timed:
+                margin[kept] = np.where(self.pace_.usual(_seconds(good), label[kept]), margin[kept], -np.inf)
         return log_posterior, kept, label, margin
 
     def _describe(self, good):
@@ -182,6 +191,11 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         tags = super().__sklearn_tags__()
         tags.input_tags.two_d_array, tags.input_tags.allow_nan, tags.no_validation = False, True, True
         return tags
+
+
+def _seconds(good):
+    """(N,) durations of cleaned trajectories."""
+    return np.array([t.times[-1] - t.times[0] for t in good])
 
 
 def _dimension(good):

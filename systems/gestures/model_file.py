@@ -13,11 +13,11 @@ from vipr.systems.errors import InputError
 from vipr.systems.gestures.classifier import STREAMS, GestureClassifier
 from vipr.systems.gestures.discriminative import SharpBank
 from vipr.systems.gestures.hmm import HmmBank
-from vipr.systems.gestures.rejection import Gate
+from vipr.systems.gestures.rejection import Gate, Pace
 from vipr.systems.gestures.stream_models import StreamModel
 from vipr.systems.gestures.trajectories import Stream
 
-FORMAT, VERSION = "vipr-gestures", 2
+FORMAT, VERSION = "vipr-gestures", 3
 BANKS = {"likelihood": HmmBank, "sharp": SharpBank}
 
 
@@ -32,6 +32,7 @@ def save_model(classifier: GestureClassifier, path: Path, notes: dict | None = N
     gate = classifier.gate_
     arrays |= _arrays("gestures", gate.gestures) | _arrays("anything", gate.anything)
     arrays |= {"counts": classifier.counts_, "threshold": np.array(gate.threshold)}
+    arrays |= {"pace": np.stack([classifier.pace_.mean, classifier.pace_.spread])}
     parameters = {k: v for k, v in classifier.get_params().items() if k != "streams"}
     named = classifier.streams if isinstance(classifier.streams, str) else None
     header = {
@@ -99,6 +100,9 @@ def _build(header, arrays):
     classifier.gate_ = Gate(
         _bank(HmmBank, "gestures", arrays), _bank(HmmBank, "anything", arrays), float(arrays["threshold"])
     )
+    classifier.pace_ = Pace(*arrays["pace"])
+    if classifier.pace_.mean.shape != (C,) or not np.isfinite(arrays["pace"]).all():
+        raise ValueError("pace")
     return classifier
 
 

@@ -1,4 +1,7 @@
-"""Is it a gesture at all? A threshold on likelihood beside a garbage model, calibrated on held-out examples (paper, after eq. 14)."""
+"""Is it a gesture at all? A threshold on likelihood beside a garbage model, calibrated on held-out examples (paper, after eq. 14).
+
+The models do not know how long a movement took; where time is known, it must be about what the gesture's examples took.
+"""
 
 from dataclasses import dataclass
 
@@ -12,6 +15,8 @@ STATES, FOLDS, LEAST = 6, 3, 6
 SPEC = HmmSpec(STATES, 1, "diag", floor=3e-2, prior=5.0, segmental=4, baum_welch=3)
 FALSE_ACCEPTANCE = 0.005  # of held-out non-gestures: the threshold need not be higher than that takes
 ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the number
+SPREADS, LEAST_SPREAD = 3.0, 0.1  # a duration may be so many spreads off, and none is less than this (log s)
+FAR_OFF = 0.5  # log s; examples that are further off, such as parts of a gesture, widen the spread no more than this
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +38,28 @@ class Gate:
         """(N,) margin under the best gesture's model, whichever that is."""
         own = np.delete(score(self.gestures, x), garbage, axis=1).max(axis=1)
         return (own - score(self.anything, x).max(axis=1)) / x.shape[1]
+
+
+@dataclass(frozen=True, eq=False)
+class Pace:
+    """How long each class takes: middle and spread of the logarithm of its duration."""
+
+    mean: np.ndarray  # (C,) log s
+    spread: np.ndarray  # (C,)
+
+    def usual(self, seconds: np.ndarray, label: np.ndarray) -> np.ndarray:
+        """(N,) bool: whether movements of these durations (N,) may be of the classes ``label`` (N,)."""
+        return np.abs(np.log(seconds) - self.mean[label]) <= SPREADS * self.spread[label]
+
+
+def fit_pace(seconds: np.ndarray, labels: np.ndarray) -> Pace:
+    """Of examples' durations (N,) and labels (N,) in 0..C-1; a class of few examples leans on the spread of all others."""
+    log, count = np.log(seconds), np.bincount(labels)
+    mean = np.array([np.median(log[labels == c]) for c in range(len(count))])
+    off = np.minimum(np.abs(log - mean[labels]), FAR_OFF)
+    pooled = np.mean(off**2)
+    spread = np.sqrt((np.bincount(labels, off**2) + ENOUGH * pooled) / (count + ENOUGH))
+    return Pace(mean, np.maximum(spread, LEAST_SPREAD))
 
 
 def fit_gate(

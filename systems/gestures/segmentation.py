@@ -22,6 +22,7 @@ class PauseSettings:
     window: float = 0.2  # s over which stillness is judged
     still: float = 0.3  # faces: the hands rest again if nothing moved further within the window
     shift: float = 0.1  # faces: and if its later half lies no further from its earlier half
+    turn: float = 0.15  # faces: nor its ends further to one side of its middle, as where a hand turns back
     near: float = 0.15  # faces: frames at either end that are so near the resting place are cut off
     least_time: float = 0.2  # s, shortest movement
     least_extent: float = 0.8  # faces, smallest movement
@@ -73,14 +74,18 @@ def advance(
 
 
 def _resting(times, points, settings) -> bool:
-    """Whether the hands kept to one place during the window: nothing moved far, nor from its earlier to its later half."""
+    """Whether the hands kept to one place during the window: nothing moved far, nor from its earlier to its later half, nor turned back."""
     since = int(np.searchsorted(times, times[-1] - settings.window - 1e-6))
     if len(times) - since < 4 or times[-1] - times[since] < 0.75 * settings.window:
         return False
     recent = np.asarray(points[since:])
     half = len(recent) // 2
     shift = np.abs(recent[half:].mean(axis=0) - recent[:half].mean(axis=0)).max()
-    return bool(shift < settings.shift and np.ptp(recent, axis=0).max() < settings.still)
+    if not (shift < settings.shift and np.ptp(recent, axis=0).max() < settings.still):
+        return False
+    time = np.asarray(times[since:])
+    turn = np.polyfit((2.0 * time - time[0] - time[-1]) / (time[-1] - time[0]), recent, 2)[0]
+    return bool(np.abs(turn).max() < settings.turn)
 
 
 def _trim(movement: Trajectory, settings: PauseSettings) -> Trajectory:

@@ -169,6 +169,18 @@ def test_examples_of_non_gestures_teach_rejection():
     assert (classifier.predict(walks[20:]) == "none").mean() > 0.8
 
 
+def test_a_gesture_in_a_time_that_is_none_of_its_own_is_rejected_where_times_count():
+    X, y = drawings(np.random.default_rng(24))
+    paces = np.exp(np.random.default_rng(25).normal(0.0, 0.15, len(X)))
+    timed = [Trajectory(x, p * np.linspace(0.0, 1.0, len(x))) for x, p in zip(X, paces, strict=True)]
+    classifier = quick(timed=True).fit(timed, y)
+    assert classifier.recognise(timed)[2].mean() < 0.1
+    for factor in (0.3, 3.0):
+        odd = [Trajectory(t.points, factor * t.times) for t in timed]
+        assert classifier.recognise(odd)[2].mean() > 0.95
+        assert (classifier.predict(odd) == y).mean() > 0.9
+
+
 def test_a_symbol_begun_at_its_other_end_is_known_by_its_picture():
     X, y = drawings(np.random.default_rng(21))
     pictures = quick(streams=(Stream(("rows",)), Stream(("columns",)))).fit(X, y)
@@ -205,7 +217,7 @@ def test_bad_requests_say_what_is_allowed(trained):
 @pytest.mark.parametrize("discriminative", [True, False])
 def test_a_file_keeps_every_answer(tmp_path, discriminative):
     X, y = drawings(np.random.default_rng(19), each=4)
-    classifier = quick(discriminative=discriminative).fit(X, y)
+    classifier = quick(discriminative=discriminative, timed=True).fit(X, y)
     save_model(classifier, tmp_path / "m.npz")
     again = load_model(tmp_path / "m.npz")
     np.testing.assert_array_equal(again.predict_proba(X), classifier.predict_proba(X))
@@ -245,11 +257,12 @@ def test_foreign_files_are_refused_by_what_they_are(model_bytes, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda h, a: h.update(version=99), "is of version 99, this program reads version 2"),
+        (lambda h, a: h.update(version=99), "is of version 99, this program reads version 3"),
         (lambda h, a: h.update(classes=h["classes"][:-1]), "is damaged"),
         (lambda h, a: a.pop("stream0.weights"), "is damaged"),
         (lambda h, a: a.update({"stream0.stay": a["stream0.stay"][:-1]}), "is damaged"),
         (lambda h, a: a.update({"gestures.means": a["gestures.means"] * np.nan}), "is damaged"),
+        (lambda h, a: a.update(pace=a["pace"][:, :-1]), "is damaged"),
         (lambda h, a: h["parameters"].update(colour="red"), "is damaged"),
         (lambda h, a: h["streams"][0].update(points=1), "is damaged|at least 4 points"),
     ],

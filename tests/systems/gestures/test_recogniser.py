@@ -48,6 +48,14 @@ def test_slow_corners_do_not_cut_a_movement():
     assert len(segment(np.arange(len(points)) * DT, points)) == 1
 
 
+def test_turning_back_slowly_does_not_cut_a_movement():
+    t = np.arange(31) * DT
+    there_and_back = np.column_stack([1.5 * (1.0 - np.cos(2.0 * np.pi * t / t[-1])), np.zeros(31)])
+    points = np.concatenate([np.zeros((12, 2)), there_and_back, np.zeros((12, 2))])
+    noise = 0.02 * np.random.default_rng(2).normal(size=points.shape)
+    assert len(segment(np.arange(len(points)) * DT, points + noise)) == 1
+
+
 def test_a_recording_that_begins_in_the_middle_of_a_movement_loses_none_of_it():
     turn = 2.0 * np.pi * np.arange(25) / 25
     circle = np.column_stack([np.cos(turn), np.sin(turn)])
