@@ -5,10 +5,12 @@ from itertools import permutations
 
 import numpy as np
 
+from vipr.systems.hands.blobs import HAND_LENGTH
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.measurement import body_of, hand_of, head_of
 from vipr.systems.hands.parts import HEAD, LOST_AFTER, SMALLEST_HEAD, Track, born, in_neck, smallest_hand
 
+PIECE = 0.2  # of the face, below which a region within a hand's length of a hand is a piece of it
 WAIT = 0.5  # s, in which something better than what just looks a little like a face should show
 
 
@@ -87,6 +89,7 @@ def _fragment(r: Candidate, tracks: dict) -> bool:
         else:
             side = (r.centre[0] - face.filter.x) * (1.0 if name == "left" else -1.0)
             piece = r.area < t.area and away < 1.6 * face.head_height and side > 0.4 * face.head_height
+            piece = piece or (away < HAND_LENGTH * face.head_height and r.area < PIECE * face.area)
         other = tracks.get("right" if name == "left" else "left")
         if piece and not (other is not None and other.unseen < LOST_AFTER and _near(other, r, tracks)):
             return True
