@@ -8,7 +8,16 @@ import numpy as np
 from vipr.systems.hands.blobs import HAND_LENGTH
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.measurement import body_of, hand_of, head_of
-from vipr.systems.hands.parts import HEAD, LOST_AFTER, SMALLEST_HEAD, Track, born, in_neck, smallest_hand
+from vipr.systems.hands.parts import (
+    HEAD,
+    LOST_AFTER,
+    SMALLEST_HEAD,
+    Track,
+    born,
+    closeness,
+    in_neck,
+    smallest_hand,
+)
 
 PIECE = 0.2  # of the face, below which a region within a hand's length of a hand is a piece of it
 WAIT = 0.5  # s, in which something better than what just looks a little like a face should show
@@ -76,7 +85,8 @@ def _possible_hands(free: list[Candidate], face: Track | None, u: float) -> list
 def _fragment(r: Candidate, tracks: dict) -> bool:
     """Whether a region is a piece of the arm or the fingers of a hand that is followed, broken off its region.
 
-    With a face, a piece is near that hand, smaller, and far on that hand's side; without one, it is nearer and much smaller.
+    With a face, a piece is near that hand, smaller, and far on that hand's side, or within its length and much smaller than any hand;
+    without one, it is nearer and much smaller than that hand.
     """
     face = tracks.get("face")
     for name in ("left", "right"):
@@ -112,12 +122,13 @@ def _hangs(r: Candidate, face: Track) -> bool:
 def _cheapest_hands(missing: list, free: list[Candidate], tracks: dict, width: int, u: float) -> list:
     """(part, region) for missing hands: each as near as it can be to where it was lost, or else to its own side of the face."""
     face = tracks.get("face")
+    v = u * closeness(face, u)
     middle, head = (0.5 * width, 0.2 * width) if face is None else (face.filter.x, face.head_height)
 
     def price(name, r):
         t = tracks.get(name)
         if t is not None and 0 < t.unseen < LOST_AFTER:
-            return 0.6 * np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y) / ((12.0 + 160.0 * t.unseen) * u)
+            return 0.6 * np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y) / ((12.0 + 160.0 * t.unseen) * v)
         side = (r.centre[0] - middle) / head * (1.0 if name == "left" else -1.0)
         return 0.1 + 0.6 * min(max(0.0, -side), 2.0)
 

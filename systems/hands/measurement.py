@@ -12,7 +12,7 @@ from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.merging import measure_shared
 from vipr.systems.hands.parts import LOST_AFTER, SIGMA_N, Track, anew, hand_before_face
 
-MISSED = 300.0  # px/s at 160 x 120, the highest speed of a part that is missed: faster ones were mostly an error of the measurement before
+MISSED = 150.0  # px/s at 160 x 120, the highest speed of a part that is missed: faster ones were mostly an error of the measurement before
 END_OF_ARM = 1.5  # times the noise of a centre, where only the end of a bare arm says where the hand is
 HIDDEN = 3.0  # the same where the hand is before the face, and only its arm is seen apart
 LIFE = 2.0  # s, in which the memory of having moved halves

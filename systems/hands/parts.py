@@ -18,6 +18,7 @@ SIGMA_V = {"face": 20.0, "left": 60.0, "right": 60.0}  # velocity of a new track
 LOST_AFTER = 0.7  # s unseen, after which a part may come back anywhere
 SMALLEST_HEAD = 2.2  # px at 160 x 120, the radius of the core of the smallest region that may become the face
 BEYOND = 0.4  # heights of the head, from where an arm goes before the face to the middle of its hand
+USUAL_HEAD = 8.0  # px, half the width of a head at 160 x 120, for which the noises of the parts are set
 HEAD = 0.48  # headlike from which a region can become the face
 
 
@@ -84,3 +85,8 @@ def in_neck(r: Candidate, face: Track, still: float) -> bool:
 def smallest_hand(face: Track, share: float, u: float) -> float:
     """The area [px^2] from which a region can be a hand: a share of the face, but little beside a face that fills the picture."""
     return min(share * face.area, 600.0 * share * u * u)
+
+
+def closeness(face: Track | None, u: float) -> float:
+    """How many times nearer a person is than one whose hands move as the constants say: near the camera all moves by more pixels."""
+    return 1.0 if face is None else min(max(face.head_radius / (USUAL_HEAD * u), 1.0), 2.5)

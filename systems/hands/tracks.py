@@ -19,11 +19,10 @@ from vipr.systems.hands.head_cut import cut_out_head
 from vipr.systems.hands.identities import doubt_face, settle_face, settle_sides
 from vipr.systems.hands.kalman import Kalman
 from vipr.systems.hands.measurement import measure
-from vipr.systems.hands.parts import LOST_AFTER, PARTS, SIGMA_W, Track, smallest_hand
+from vipr.systems.hands.parts import LOST_AFTER, PARTS, SIGMA_W, Track, closeness, smallest_hand
 from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin.working_image import unit
 
-USUAL_HEAD = 8.0  # px, half the width of a head at 160 x 120, for which the noises of the parts are set
 BARE = 0.4  # share of the frames in which an arm was seen, from which sleeves are short
 CONFIRM = 2  # frames after which a new track is reported
 
@@ -55,7 +54,7 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
         belief = TracksBelief()
     u = unit(shape)
     dt = min(max(regions.time - belief.output.time, 1e-3), 0.5) if belief.output.number >= 0 else 0.04
-    v = u * _closeness(dict(belief.parts).get("face"), u)
+    v = u * closeness(dict(belief.parts).get("face"), u)
     tracks = {name: _predict(name, t, dt, u if name == "face" else v, shape) for name, t in belief.parts}
     found = candidates(regions, tracks)
     face = tracks.get("face")
@@ -75,11 +74,6 @@ def follow(regions: SkinRegions, belief: TracksBelief) -> TracksBelief:
     tracks, doubt = doubt_face(tracks, free, 0.0 if another else belief.doubt, dt)
     tracks, order = settle_sides(tracks, 0.0 if another else belief.order, dt, u)  # sides are about the face
     return TracksBelief(tuple(tracks.items()), rival, doubt, order, faceless, _report(tracks, regions))
-
-
-def _closeness(face: Track | None, u: float) -> float:
-    """How many times nearer a person is than one whose hands move as the constants say: near the camera all moves by more pixels."""
-    return 1.0 if face is None else min(max(face.head_radius / (USUAL_HEAD * u), 1.0), 2.5)
 
 
 def _predict(name: str, t: Track, dt: float, u: float, shape) -> Track:
