@@ -44,7 +44,7 @@ def edge_pass(
     J = normal_jacobian(nodes, X_CO, sight.lens)
     shown = uncovered(nodes.pixel, texture)
     if sharp and settings.sharp:
-        matches, certain = told_apart(matches, nodes)
+        matches, certain = told_apart(matches, nodes, len(sight.model.edges))
         shown = shown * certain
     likely = preferences(matches.strength, matches.wide)
     common = {"edge": nodes.edge, "model_error": settings.model_error, "node_weight": shown}

@@ -19,22 +19,24 @@ OFF = (
 UNSURE = 0.1  # weight of a node whose two edges cannot be told apart
 
 
-def told_apart(matches: Matches, nodes: Nodes) -> tuple[Matches, np.ndarray]:
+def told_apart(matches: Matches, nodes: Nodes, straight: int) -> tuple[Matches, np.ndarray]:
     """The matches without sharp edges that may be those of a neighbour, and the weight (N,) of each node, 1 or `UNSURE`.
 
-    Where two edges of the model are neighbours, only pairs of edges of the image as far apart as they, in their order, count.
+    Where two edges of the model are neighbours, only pairs of edges of the image as far apart as they, in their order, count. The first
+    so many edges of the model are straight; rims and limbs, which touch where they end, are left alone.
     """
     weight, strength = np.ones(len(nodes)), matches.strength.copy()
-    _keep_pairs(matches.offset, strength, weight, matches.wide, nodes.pixel, nodes.normal, nodes.spacing)
+    among = np.flatnonzero(nodes.edge < straight)
+    _keep_pairs(matches.offset, strength, weight, matches.wide, nodes.pixel, nodes.normal, among, nodes.spacing)
     return replace(matches, strength=strength), weight
 
 
 @compiled
-def _keep_pairs(offset, strength, weight, wide, pixel, normal, spacing):
-    N, K = offset.shape
-    for n in range(N):
+def _keep_pairs(offset, strength, weight, wide, pixel, normal, among, spacing):
+    K = offset.shape[1]
+    for n in among:
         beside = np.inf  # to the nearest neighbour, along the normal
-        for m in range(N):
+        for m in among:
             dx, dy = pixel[m, 0] - pixel[n, 0], pixel[m, 1] - pixel[n, 1]
             if abs(dx) > APART + spacing or abs(dy) > APART + spacing:
                 continue

@@ -18,7 +18,7 @@ def two_edges(apart: float, seen: tuple) -> tuple[Matches, Nodes]:
 
 
 def test_of_two_edges_in_the_image_each_belongs_to_one_of_the_model():
-    matches, weight = told_apart(*two_edges(3.0, (1.2, 4.2)))  # both 1.2 px off
+    matches, weight = told_apart(*two_edges(3.0, (1.2, 4.2)), 2)  # both 1.2 px off
     assert (weight == 1.0).all()
     np.testing.assert_array_equal(matches.strength[:5] != 0, np.tile([True, False], (5, 1)))
     np.testing.assert_array_equal(matches.strength[5:] != 0, np.tile([False, True], (5, 1)))
@@ -26,12 +26,12 @@ def test_of_two_edges_in_the_image_each_belongs_to_one_of_the_model():
 
 def test_one_edge_in_the_image_of_two_says_little():
     matches, nodes = two_edges(3.0, (1.5,))
-    assert (told_apart(matches, nodes)[1] == UNSURE).all()
+    assert (told_apart(matches, nodes, 2)[1] == UNSURE).all()
 
 
 def test_edges_far_apart_and_edges_that_coincide_are_left_alone():
     for apart in (8.0, 0.3):
         matches, nodes = two_edges(apart, (0.1,))
-        kept, weight = told_apart(matches, nodes)
+        kept, weight = told_apart(matches, nodes, 2)
         assert (weight == 1.0).all()
         np.testing.assert_array_equal(kept.strength, matches.strength)
