@@ -84,7 +84,7 @@ class Belief:
     agility: float = (
         1.0  # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings
     )
-    closeness: float = 0.0  # 0 to 1, how closely its edges have fitted of late
+    closeness: float = 0.75  # 0 to 1, how closely its edges have fitted of late; at first, how closely they might
 
     def __deepcopy__(self, memo):
         return self  # immutable: a context clone copies nothing

@@ -8,7 +8,7 @@ from vipr.systems.tracking.diagnosis import Evidence, weigh
 from vipr.systems.tracking.displacements import corner_information, move
 from vipr.systems.tracking.edge_pass import about, edge_pass
 from vipr.systems.tracking.motion_filter import Motion, at_rest
-from vipr.systems.tracking.rivals import closest
+from vipr.systems.tracking.rivals import closest, settle_on
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.small_algebra import invert
@@ -17,6 +17,7 @@ CLOSE_PX = 0.3  # residual of edges that fit closely
 WELL_PX, WELL_SHARE = 0.5, 0.7  # residual and share of edges of a pose that is not questioned
 OVERRULE_PX = (4.0, 8.0)  # RMS of the corners: how far from a doubtful pose others are tried
 CERTAIN = 10.0  # significance of a texture that is hardly mistaken
+MUCH_CLOSER = 0.25  # of closeness: what the motion so far does not lead to must fit so much more closely
 TIGHT = 0.65  # closeness of edges from which a rival of a tracked pose is taken
 CLOSER, BETTER = 0.1, 0.15  # of a fit's quality: edges that fit so much better, closely or not, overrule a texture
 
@@ -55,22 +56,24 @@ def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attemp
 
 
 def outdone(sight: Sight, best: Attempt, ahead: Motion) -> Attempt | None:
-    """A rival of a tracked pose whose edges fit much more closely than its own, which a sharp picture does not let be so far off."""
+    """A rival of a tracked pose whose edges fit much more closely than its own: where the motion leads, or anywhere near.
+
+    What the motion does not lead to must fit more closely still: seen end on, few edges fit well in many places.
+    """
     sight.expect(replace(ahead, X_CO=best.X_CO, covariance=at_rest(best.X_CO).covariance))
-    X = closest(sight, best.X_CO)
-    if X is best.X_CO:
-        sight.expect(ahead)
-        return None
     expected, information = sight.ahead, sight.information
-    X, fit, matches, _ = edge_pass(
-        sight, X, sight.settings.fine_reach, (0.7,), about(sight, X, X, None), sharp=True, settled=True
-    )
-    evidence = weigh(matches, fit)
+    found = None
+    for rival in (lambda: sight.steady.X_CO, lambda: closest(sight, best.X_CO)):
+        X, fit, matches = settle_on(sight, rival())
+        evidence = weigh(matches, fit)
+        gain = CLOSER if sight.goes_steadily(X) else MUCH_CLOSER
+        if evidence.closeness >= max(best.evidence.closeness + gain, TIGHT):
+            wrong = tuple(k for k in sight.keyframes if k is best.led_by or k.fit_px > CLOSE_PX)
+            covariance = invert(fit.information - 0.999 * information)
+            found = Attempt(X, covariance, evidence, expected, against=wrong)
+            break
     sight.expect(ahead)
-    if evidence.closeness < max(best.evidence.closeness + CLOSER, TIGHT):
-        return None
-    wrong = tuple(k for k in sight.keyframes if k is best.led_by or k.fit_px > CLOSE_PX)
-    return Attempt(X, invert(fit.information - 0.999 * information), evidence, expected, against=wrong)
+    return found
 
 
 def _if_better(other, best):

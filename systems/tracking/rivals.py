@@ -8,10 +8,11 @@ A few nodes drawn at random, each with one of the edges along its normal, give a
 import numpy as np
 
 from vipr.systems.compiled import compiled
-from vipr.systems.tracking.diagnosis import Evidence, weigh
+from vipr.systems.tracking.diagnosis import weigh
 from vipr.systems.tracking.displacements import difference, move, normal_jacobian
 from vipr.systems.tracking.edge_pass import about, edge_pass, look
-from vipr.systems.tracking.pose_fit import add_row
+from vipr.systems.tracking.normal_flow import Matches
+from vipr.systems.tracking.pose_fit import Fit, add_row
 from vipr.systems.tracking.sight import Sight
 from vipr.systems.tracking.small_algebra import dot6, mirror, solve
 from vipr.systems.tracking.visible_edges import visible_nodes
@@ -32,14 +33,14 @@ BETTER = 0.03  # of merit: a pose that is clearly to be preferred
 UNEXPECTED = 0.015  # of merit, lost for each unit of the squared Mahalanobis distance from what was expected
 
 
-def settle_on(sight: Sight, X_CO: np.ndarray, passes: int = 3) -> tuple[np.ndarray, Evidence]:
-    """The pose at which the edges nearest to X_CO fit, and what they say of it."""
+def settle_on(sight: Sight, X_CO: np.ndarray, passes: int = 3) -> tuple[np.ndarray, Fit, Matches]:
+    """The pose at which the edges nearest to X_CO fit, and how they do."""
     for _ in range(passes):
         prior = about(sight, X_CO, X_CO, None)
         X_CO, fit, matches, _ = edge_pass(
             sight, X_CO, sight.settings.fine_reach, (0.7,), prior, sharp=True, settled=True
         )
-    return X_CO, weigh(matches, fit)
+    return X_CO, fit, matches
 
 
 def closest(sight: Sight, X_CO: np.ndarray) -> np.ndarray:
@@ -57,9 +58,9 @@ def closest(sight: Sight, X_CO: np.ndarray) -> np.ndarray:
     return best
 
 
-def _merit(sight: Sight, X_CO: np.ndarray, evidence: Evidence) -> float:
+def _merit(sight: Sight, X_CO: np.ndarray, fit: Fit, matches: Matches) -> float:
     off = difference(sight.X_CO_ahead, X_CO)
-    return evidence.closeness - UNEXPECTED * float(off @ sight.information @ off)
+    return weigh(matches, fit).closeness - UNEXPECTED * float(off @ sight.information @ off)
 
 
 def rivals(sight: Sight, X_CO: np.ndarray) -> list[np.ndarray]:
