@@ -134,14 +134,13 @@ def _tables_command(name: str, parts: str):
         ] = 1,
         as_json: Annotated[bool, typer.Option("--json", help="Print the tables as JSON.")] = False,
     ) -> None:
-        from rich.console import Console
-
         from vipr.scenarios.bench.benchmark import measure
         from vipr.scenarios.bench.tables import print_json, print_tables
+        from vipr.scenarios.command.output import progress_line
 
         wanted = [part.strip() for part in only.split(",") if part.strip()]
-        with Console(stderr=True).status(f"bench {name}") as status:
-            tables = measure(name, wanted, quick=quick, data=data, seed=seed, progress=status.update, jobs=jobs)
+        with progress_line(f"bench {name}") as tell:
+            tables = measure(name, wanted, quick=quick, data=data, seed=seed, progress=tell, jobs=jobs)
             (print_json if as_json else print_tables)(tables)
 
     return bench

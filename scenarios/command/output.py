@@ -2,9 +2,35 @@
 
 import os
 import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from vipr.systems.errors import InputError
+
+EVERY = 30.0  # s between two lines of progress where there is no terminal
+
+
+@contextmanager
+def progress_line(what: str) -> Iterator[Callable[[str], None]]:
+    """Tells how far a long command has come, on standard error: in a terminal one line that changes, elsewhere a new line now and then."""
+    from rich.console import Console
+
+    console = Console(stderr=True, soft_wrap=True, highlight=False)
+    told = time.monotonic()
+
+    def tell(text: str) -> None:
+        nonlocal told
+        if time.monotonic() - told >= EVERY:
+            told = time.monotonic()
+            console.print(text, markup=False)
+
+    if not console.is_terminal:
+        yield tell
+        return
+    with console.status(what) as status:
+        yield status.update
 
 
 def print_error(message: str) -> None:

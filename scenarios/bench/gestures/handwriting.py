@@ -41,7 +41,8 @@ def run(bench) -> Iterator[Table]:
             table, fold = table.choose(fold < 2), fold[fold < 2]
         rows = []
         for models, what in MODELS.items():
-            tick = partial(_tick, bench.progress, f"{name}, {models}")
+            known = "".join(f"; {row[0]}: {row[1]:.1f} % right" for row in rows)
+            tick = partial(_tick, bench.progress, f"{name}, {what}", known)
             result = cross_validate(partial(classifier, models, seed=bench.seed), table, fold, tick)
             s = result.summary()
             spread = float(np.std([f["accuracy_percent"] for f in s["folds"]]))
@@ -57,5 +58,5 @@ def run(bench) -> Iterator[Table]:
         )
 
 
-def _tick(progress, what, share):
-    progress(f"{what}: {100 * share:.0f} %")
+def _tick(progress, what, known, share):
+    progress(f"{what}: {100 * share:.0f} % done{known}")
