@@ -32,7 +32,7 @@ def save_model(classifier: GestureClassifier, path: Path, notes: dict | None = N
     gate = classifier.gate_
     arrays |= _arrays("gestures", gate.gestures) | _arrays("anything", gate.anything)
     arrays |= {"counts": classifier.counts_, "threshold": np.array(gate.threshold)}
-    arrays |= {"pace": np.stack([classifier.pace_.mean, classifier.pace_.spread])}
+    arrays |= {"pace": np.stack([classifier.pace_.middle, classifier.pace_.spread])}
     parameters = {k: v for k, v in classifier.get_params().items() if k != "streams"}
     named = classifier.streams if isinstance(classifier.streams, str) else None
     header = {
@@ -101,7 +101,7 @@ def _build(header, arrays):
         _bank(HmmBank, "gestures", arrays), _bank(HmmBank, "anything", arrays), float(arrays["threshold"])
     )
     classifier.pace_ = Pace(*arrays["pace"])
-    if classifier.pace_.mean.shape != (C,) or not np.isfinite(arrays["pace"]).all():
+    if classifier.pace_.middle.shape != (C,) or not np.isfinite(arrays["pace"]).all():
         raise ValueError("pace")
     return classifier
 

@@ -44,22 +44,22 @@ class Gate:
 class Pace:
     """How long each class takes: middle and spread of the logarithm of its duration."""
 
-    mean: np.ndarray  # (C,) log s
+    middle: np.ndarray  # (C,) log s
     spread: np.ndarray  # (C,)
 
     def usual(self, seconds: np.ndarray, label: np.ndarray) -> np.ndarray:
         """(N,) bool: whether movements of these durations (N,) may be of the classes ``label`` (N,)."""
-        return np.abs(np.log(seconds) - self.mean[label]) <= SPREADS * self.spread[label]
+        return np.abs(np.log(seconds) - self.middle[label]) <= SPREADS * self.spread[label]
 
 
 def fit_pace(seconds: np.ndarray, labels: np.ndarray) -> Pace:
     """Of examples' durations (N,) and labels (N,) in 0..C-1; a class of few examples leans on the spread of all others."""
     log, count = np.log(seconds), np.bincount(labels)
-    mean = np.array([np.median(log[labels == c]) for c in range(len(count))])
-    off = np.minimum(np.abs(log - mean[labels]), FAR_OFF)
+    middle = np.array([np.median(log[labels == c]) for c in range(len(count))])
+    off = np.minimum(np.abs(log - middle[labels]), FAR_OFF)
     pooled = np.mean(off**2)
     spread = np.sqrt((np.bincount(labels, off**2) + ENOUGH * pooled) / (count + ENOUGH))
-    return Pace(mean, np.maximum(spread, LEAST_SPREAD))
+    return Pace(middle, np.maximum(spread, LEAST_SPREAD))
 
 
 def fit_gate(

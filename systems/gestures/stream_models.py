@@ -13,6 +13,10 @@ from vipr.systems.gestures.trajectories import Distortion, Stream, describe, dis
 
 ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the number
 COPIES = 0.75  # share of distorted copies while sharpening
+FLOOR, PLAIN_FLOOR = (
+    1e-2,
+    3e-2,
+)  # of variances; models that are not sharpened on distorted copies must leave room for other hands
 PICTURE_GAIN = 1.0 / 3.0  # pictures have many more coordinates: a split explains less of their scatter
 PICTURE_TEMPER = 0.4  # and their log likelihoods are as much larger
 CLAIMED = 0.1  # a class whose reversed examples are claimed by others more often than this is not taken backwards
@@ -84,7 +88,7 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
     lengths = np.full(len(x), x.shape[1])
     spec = HmmSpec(
         8 if options.states == "validated" else options.states, 1 if sharp else options.mixtures,
-        "diag" if sharp else options.covariance, floor=1e-2 if sharp else 3e-2, prior=2.0, segmental=6,
+        "diag" if sharp else options.covariance, floor=FLOOR if sharp else PLAIN_FLOOR, prior=2.0, segmental=6,
         baum_welch=5 if sharp else 20,
     )  # fmt: skip
     states = choose_states(x, lengths, model, spec) if options.states == "validated" else None
