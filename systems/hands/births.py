@@ -20,6 +20,7 @@ from vipr.systems.hands.parts import (
 )
 
 PIECE = 0.2  # of the face, below which a region within a hand's length of a hand is a piece of it
+SOME_MARKS = 0.1  # of a face, without which nothing becomes one only by being on top
 WAIT = 0.5  # s, in which something better than what just looks a little like a face should show
 
 
@@ -58,7 +59,9 @@ def _likeliest_head(free: list[Candidate], faceless: float, u: float) -> Candida
     best = max(found, key=lambda r: r.headlike)
     others = [r for r in found if r is not best and r.person > 0.5]
     topmost = len(others) >= 1 and all(best.core[1] < other.centre[1] for other in others)
-    enough = HEAD - (0.18 * min(faceless / WAIT, 1.0) if topmost and best.moving < 0.4 else 0.0)
+    enough = HEAD - (
+        0.18 * min(faceless / WAIT, 1.0) if topmost and best.moving < 0.4 and best.marks > SOME_MARKS else 0.0
+    )
     return best if best.headlike > enough and (best.person > 0.5 or topmost) else None
 
 

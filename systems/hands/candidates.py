@@ -21,6 +21,7 @@ class Candidate:
     core: np.ndarray  # x, y, radius of the largest disc inside
     person: float
     headlike: float  # 0 to 1: marks of a face, shape of a head, size and height among the regions of this frame
+    marks: float = 0.0  # 0 to 1: of a face, by themselves
     cut: bool = False  # the head cut out of a larger region
     remnant: bool = False  # what is left of a region without the head in it: neck, arm, wall
     arm: np.ndarray | None = None  # (2, 2) tip and other end, where it is an arm that reaches the head
@@ -50,7 +51,7 @@ def candidates(regions: SkinRegions, tracks: dict) -> list[Candidate]:
     return [
         Candidate(
             i, centres[k], float(areas[k]), boxes[k], cores[k], float(person[k]), float(head[k]),
-            moving=float(regions.moving[i]),
+            marks=float(regions.faceness[i]), moving=float(regions.moving[i]),
         )
         for k, i in enumerate(rows)
     ]  # fmt: skip
