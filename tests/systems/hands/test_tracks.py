@@ -95,6 +95,12 @@ def test_a_missed_hand_does_not_run_away():
     assert np.isfinite(out.right).all() and out.right[0] < 125
 
 
+def test_a_small_piece_beside_a_hand_is_no_other_hand():
+    frames = [[HEAD, (50, 75 - k % 3, 7, 0.0)] + ([(66, 75, 3, 0.0)] if k > 4 else []) for k in range(40)]
+    outputs = track(frames)
+    assert outputs[-1].right_seen and not any(o.left_seen for o in outputs)
+
+
 def test_hands_that_cross_keep_their_names():
     def at(k):
         return [HEAD, (115 - 3 * k, 70, 6, 0.0), (45 + 3 * k, 76, 6, 0.0)]
@@ -206,3 +212,8 @@ def test_a_speck_that_happens_to_look_like_a_face_is_not_the_face():
 def test_a_bare_arm_with_some_marks_is_no_head():
     arm = [(30 + 4 * i, 60 + 2 * i, 5, 0.45) for i in range(12)]
     assert not any(t.face_seen for t in track([[*arm, (120, 90, 6, 0.0)]] * 12))
+
+
+def test_what_has_no_marks_is_no_face_only_for_being_on_top():
+    still = track([[(80, 30, 9, 0.0), (80, 90, 6, 0.0)] for _ in range(40)], moving=0.2)
+    assert not any(o.face_seen for o in still)
