@@ -96,7 +96,7 @@ def test_a_missed_hand_does_not_run_away():
 
 
 def test_a_small_piece_beside_a_hand_is_no_other_hand():
-    frames = [[HEAD, (50, 75 - k % 3, 7, 0.0)] + ([(66, 75, 3, 0.0)] if k > 4 else []) for k in range(40)]
+    frames = [[HEAD, (58, 75 - k % 3, 7, 0.0)] + ([(73, 75, 5, 0.0)] if k > 4 else []) for k in range(40)]
     outputs = track(frames)
     assert outputs[-1].right_seen and not any(o.left_seen for o in outputs)
 
@@ -215,5 +215,5 @@ def test_a_bare_arm_with_some_marks_is_no_head():
 
 
 def test_what_has_no_marks_is_no_face_only_for_being_on_top():
-    still = track([[(80, 30, 9, 0.0), (80, 90, 6, 0.0)] for _ in range(40)], moving=0.2)
-    assert not any(o.face_seen for o in still)
+    things = [(80, 30, 9, 0.0), (50, 90, 6, 0.0), (110, 90, 6, 0.0), (80, 105, 6, 0.0)]
+    assert not any(o.face_seen for o in track([things] * 40, moving=0.2))
