@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -114,6 +115,19 @@ def test_letters_are_cut_where_they_begin_and_end(tmp_path):
     first, last = np.array([t.times[[0, -1]] for t in table.trajectories]).T
     assert np.median(np.abs(first - reel.bounds[:, 0] / RATE)) < 0.2
     assert np.median(np.abs(last - reel.bounds[:, 1] / RATE)) < 0.2
+
+
+def test_a_letter_is_read_from_the_face_s_track_where_that_follows_the_hand(tmp_path):
+    (reel,) = film(letters.sittings(1, "stand-in", rounds=1)[:1], tmp_path)
+    mistaken = replace(reel, positions=[p[:, ::-1] for p in reel.positions], seen=[s[:, ::-1] for s in reel.seen])
+    for ours, theirs in zip(*(letters.drawings([r]).trajectories for r in (reel, mistaken)), strict=True):
+        np.testing.assert_array_equal(ours.points, theirs.points)
+
+
+def test_the_beginning_of_a_letter_is_not_lost_with_the_film_s(tmp_path):
+    (reel,) = film(letters.sittings(1, "stand-in", rounds=1)[:1], tmp_path)
+    first = np.array([t.times[0] for t in letters.drawings([reel]).trajectories])
+    assert np.mean(first < 1.5 / RATE) > 0.5
 
 
 @pytest.mark.parametrize("name", LANGUAGE)
