@@ -12,10 +12,7 @@ from vipr.systems.tracking.visible_edges import Nodes
 
 SAME, APART = 0.7, 5.0  # px: closer edges are one; others leave each other alone
 PARALLEL = 0.95  # cosine of the angle between their normals, at least
-OFF = (
-    0.25,
-    0.4,
-)  # share of their distance, and px, by which two edges of the image may be farther apart or closer than the model's
+SHARE, MORE_PX = 0.25, 0.4  # of their distance, and px: how far that of two edges of the image may be from the model's
 UNSURE = 0.1  # weight of a node whose two edges cannot be told apart
 
 
@@ -47,7 +44,7 @@ def _keep_pairs(offset, strength, weight, wide, pixel, normal, among, spacing):
                 beside = across
         if abs(beside) > APART:
             continue
-        slack, paired = OFF[0] * abs(beside) + OFF[1], np.zeros(K, np.bool_)
+        slack, paired = SHARE * abs(beside) + MORE_PX, np.zeros(K, np.bool_)
         for k in range(wide, K):
             for j in range(wide, K):
                 both = strength[n, k] != 0.0 and strength[n, j] != 0.0 and j != k
