@@ -24,10 +24,7 @@ from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.texture import correlation_at
 
 DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads
-SLACK, SLACK_LED = (
-    0.85,
-    0.75,
-)  # of the closeness of late: below, rivals are tried at once, or, where texture led, now and then
+SLACK, SLACK_LED = 0.85, 0.75  # of the closeness of late: below, rivals are tried; where texture led, now and then
 FADING = 0.97  # share of the closeness of late that is left a frame later
 LEARN_EVERY = 5  # frames between attempts to learn the texture of an object that has shown none yet
 LEARNT = 12  # keyframes, beside those that are known beforehand: the last so many are kept
