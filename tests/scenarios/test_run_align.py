@@ -62,8 +62,8 @@ def test_same_seed_same_bytes_and_another_seed_others(tmp_path):
         (["run", "align", "--set", "camera.noise=-1"], "noise must be 0 to 255"),
         (["run", "align", "--set", "clearance_m=0.29"], "out of reach within the joint limits"),
         (["run", "follow", "--set", "cruise_s=5"], "the object leaves its stage"),
-        (["run", "align", "--set", "servo.gain=40"], "servo.gain must be below 2"),
-        (["run", "align", "--set", "servo.gain=40", "--set", "delay_frames=5"], "at a latency of 222 ms, got 40 1/s"),
+        (["run", "align", "--set", "servo.gain=200"], "servo.gain must be below 76.9"),
+        (["run", "align", "--set", "servo.gain=200", "--set", "delay_frames=5"], "at a latency of 222 ms, got 200 1/s"),
         (["run", "align", "--set", "delay_frames=-1"], "delay_frames must be 0 to 25, got -1"),
     ],
 )
