@@ -90,12 +90,13 @@ class Sitting:
     camera: str  # rendered (living room and tracker) | stand-in (projection with 1 px of noise)
     seed: int  # draws body, look, idle motion, noise
     targets: np.ndarray | None = None  # (N, 2) directions pointed to
+    lead: int = 0  # frames of the rest before a path that its film begins with; ``bounds`` count them
 
     @property
     def file(self) -> str:
         """Name of the file, with a hash of the paths, the person, the seed, and the camera with all that it is made of."""
         made_by = digest_of_modules(*MADE_BY[self.camera])
-        digest = hashlib.sha256(f"{made_by} {self.camera} {self.person} {self.seed}".encode())
+        digest = hashlib.sha256(f"{made_by} {self.camera} {self.person} {self.seed} {self.lead}".encode())
         for path in self.paths:
             for hand in (path.right, path.left):
                 digest.update(b"-" if hand is None else np.round(hand, 6).tobytes())
@@ -120,7 +121,7 @@ def film(sittings: list[Sitting], folder: Path, jobs: int = 1, tick=lambda n: No
 
 
 def _make(sitting, folder):
-    films = (_rendered if sitting.camera == "rendered" else _stand_in)(sitting.paths, sitting.seed)
+    films = (_rendered if sitting.camera == "rendered" else _stand_in)(sitting.paths, sitting.seed, sitting.lead)
     table = {name: np.concatenate([f[k] for f in films]) for k, name in enumerate(COLUMNS[:-1])}
     table["lengths"] = np.array([len(f[0]) for f in films])
     file = folder / sitting.file
@@ -148,19 +149,19 @@ def _read(file):
         return None
 
 
-def _rendered(paths, seed):
+def _rendered(paths, seed, lead):
     os.environ.setdefault("LP_NUM_THREADS", "1")  # of the software renderer: pictures are small, films run side by side
     from vipr.scenarios.people.film import film_gestures
     from vipr.scenarios.people.motion import greeting
 
     films = []
-    for film in film_gestures([greeting(), *paths], seed=seed, truth=False):
+    for film in film_gestures([greeting(), *paths], seed=seed, truth=False, lead=lead):
         t = film.tracks
         films.append((t.positions, t.seen, t.merged, t.areas))
     return films[1:]
 
 
-def _stand_in(paths, seed):
+def _stand_in(paths, seed, lead):
     """A camera in name only: hands projected from 2.1 m, each seen with 1 px of noise, nothing hidden."""
     from vipr.models.person.generate import BODIES
     from vipr.scenarios.people.motion import rest
@@ -169,9 +170,9 @@ def _stand_in(paths, seed):
     body = BODIES[str(rng.choice(list(BODIES)))]
     films = []
     for path in paths:
-        n = len(path)
+        n = lead + len(path)
         hands = [
-            np.repeat(rest(body, side)[None], n, 0) if p is None else p
+            np.repeat(rest(body, side)[None], n, 0) if p is None else np.concatenate([np.repeat(p[:1], lead, 0), p])
             for side, p in (("left", path.left), ("right", path.right))
         ]
         parts = [np.tile([0.1, 0.0, 0.25], (n, 1)), *hands]

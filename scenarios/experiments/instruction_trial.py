@@ -13,6 +13,7 @@ from vipr.systems.gestures.trajectories import Trajectory
 
 TRAINING = (6, 500, 240)  # people, gestures, non-gestures
 SITTING = 25  # films, at most
+REST = 6  # frames of it that a film begins with, so that movements are cut out of it as out of a stream
 TEST = (4, 320, 240)  # as in the paper: 320 sequences of four people who were not in training
 
 
@@ -31,7 +32,8 @@ def sittings(test: bool, seed: int, camera: str, share: float = 1.0) -> list[Sit
                 Person.drawn(number), names.tolist(), np.random.default_rng([number, part])
             )
             name, person = f"instructions-{camera}-{seed}-{group}-{n}-{part}", f"{group} person {n + 1}"
-            planned.append(Sitting(name, person, paths, names.tolist(), bounds, camera, number, targets))
+            bounds = [(first + REST, last + REST) for first, last in bounds]
+            planned.append(Sitting(name, person, paths, names.tolist(), bounds, camera, number, targets, REST))
     return sorted(planned, key=lambda s: int(s.name.rsplit("-", 1)[1]))
 
 

@@ -102,6 +102,7 @@ def film_gestures(
     light: tuple[float, float] = (1.0, WHITE_KELVIN),
     imperfection: Imperfection | None = None,
     pause: int = 6,
+    lead: int = 0,
     rate: float = 25.0,
     truth: bool = True,
     images: bool = False,
@@ -109,8 +110,9 @@ def film_gestures(
     """Film each of the paths with one person in one room, track face and hands, and yield a :class:`Film` each.
 
     ``seed`` draws body, look, idle motion and noise (where not given). Between two paths the hands go from the end of the one to the
-    beginning of the next and rest there for ``pause`` frames; that is filmed and tracked, but not returned. The tracker is told nothing of
-    where a path begins. ``light`` is (intensity, colour temperature [K]). The same arguments give the same films.
+    beginning of the next and rest there for ``pause`` frames; that is filmed and tracked, but of it only the last ``lead`` frames are
+    returned, before the path's. The tracker is told nothing of where a path begins. ``light`` is (intensity, colour temperature [K]).
+    The same arguments give the same films.
     """
     rng = np.random.default_rng(seed)
     body_name, drawn = str(rng.choice(list(BODIES))), random_look(rng)
@@ -129,7 +131,7 @@ def film_gestures(
             time = number / rate
             belief = see_people(image, time, number, belief)
             number += 1
-            if k >= len(whole) - len(path):
+            if k >= len(whole) - len(path) - lead:
                 tracks.append(belief.tracks)
                 truths.append(tracks_from_labels(labels, time, number - 1) if truth else HandTracks(time=time))
                 if images:
