@@ -43,14 +43,8 @@ class WorkcellConfig:
     """What stands in the workcell and where."""
 
     object: str = "milk_carton"  # a folder of vipr.models
-    stage_initial: tuple[float, float, float] = (
-        0.0,
-        0.0,
-        0.0,
-    )  # m, m, rad: x, y, yaw of the stage, the object on its plate
-    X_EO_held: np.ndarray | None = (
-        None  # the object is fixed to the hand there, as a tool would be; None: it stands on the stage
-    )
+    stage_initial: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m, m, rad: x, y, yaw; the object is on its plate
+    X_EO_held: np.ndarray | None = None  # the object is fixed to the hand there, as a tool would be; None: it stands
     X_PO: np.ndarray = field(default_factory=lambda: np.eye(4))  # of the object on the plate's top
     ballast: float = 0.0  # kg, packed into the object beside what it weighs
     drives: Drives = GRASPING  # of the hand
@@ -59,9 +53,8 @@ class WorkcellConfig:
     lens: Lens = field(default_factory=lambda: load_lens(model_path("xc77/camera.yaml")))
     X_WC: np.ndarray = field(default_factory=fixed_camera)
     imperfection: Imperfection = Imperfection()
-    supersampling: int = (
-        2  # rendered pixels each way for one of the camera: 1 is three times as fast, its edges up to 0.25 px off
-    )
+    # Rendered pixels each way for one of the camera: 1 is three times as fast, its edges up to 0.25 px off.
+    supersampling: int = 2
     seed: int = 0
     time_step: float = 0.002  # s, of the physics
     camera_period: float = 0.04  # s

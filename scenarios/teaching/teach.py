@@ -21,10 +21,8 @@ FINALISTS = 4  # of each kind, tried with errors of the pose
 TRIES = 3  # of each finalist
 LEAST_HELD = 0.75  # of all its tries, of a grasp that is kept
 POSE_ERROR = (0.005, np.radians(4.0))  # m and rad, of these tries
-SLIP_SCALE, MOVE_SCALE = (
-    3e-4,
-    0.02,
-)  # m: a grasp that slips so far, or moves the object so far in closing, is worth half
+# m: a grasp that slips so far, or moves the object so far in closing, is worth half.
+SLIP_SCALE, MOVE_SCALE = 3e-4, 0.02
 
 
 def teach(

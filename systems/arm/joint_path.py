@@ -8,10 +8,8 @@ from scipy.interpolate import CubicSpline
 from vipr.systems.arm.resolved_rate import JointLimits
 from vipr.systems.errors import InputError
 
-PEAK_SPEED, PEAK_ACCELERATION = (
-    1.875,
-    5.774,
-)  # of the time law s = 10 u^3 - 15 u^4 + 6 u^5, per second and per second squared
+# Of the time law s = 10 u^3 - 15 u^4 + 6 u^5, per second and per second squared.
+PEAK_SPEED, PEAK_ACCELERATION = 1.875, 5.774
 # Of the joints' limits, what a path uses: the rest is for the loop around it, and for what the hand holds by friction.
 SPEED_SHARE, ACCELERATION_SHARE = 0.7, 0.56
 SHORTEST = 0.3  # s

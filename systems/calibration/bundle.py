@@ -15,10 +15,8 @@ from vipr.systems.errors import InputError
 INTRINSICS = ("fx", "fy", "cx", "cy", "k1", "k2")
 OUTLIER = 4.0  # standard deviations of a corner that is left out
 ROUNDS = 3  # of estimating noise and outliers anew
-WORST_NOISE, WORST_SHARE = (
-    3.0,
-    0.5,
-)  # px, and share of corners left out: above, the views and poses do not belong together
+# px, and share of corners left out: above, the views and poses do not belong together.
+WORST_NOISE, WORST_SHARE = 3.0, 0.5
 DISAGREE = (
     "the images and the poses of the hand do not agree; are the poses those of the hand in the world, in metres, taken with these images, "
     "and is the board's square_mm right?"

@@ -13,10 +13,8 @@ from vipr.systems.gestures.trajectories import Distortion, Stream, describe, dis
 
 ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the number
 COPIES = 0.75  # share of distorted copies while sharpening
-FLOOR, PLAIN_FLOOR = (
-    1e-2,
-    3e-2,
-)  # of variances; models that are not sharpened on distorted copies must leave room for other hands
+# Of variances; models that are not sharpened on distorted copies must leave room for other hands.
+FLOOR, PLAIN_FLOOR = 1e-2, 3e-2
 PICTURE_GAIN = 1.0 / 3.0  # pictures have many more coordinates: a split explains less of their scatter
 PICTURE_TEMPER = 0.4  # and their log likelihoods are as much larger
 CLAIMED = 0.1  # a class whose reversed examples are claimed by others more often than this is not taken backwards

@@ -52,10 +52,8 @@ class Errand:
 
     lift: float = 0.15  # m, up
     carry: float = 0.30  # m, sideways
-    ways: tuple[float, ...] = (
-        90.0,
-        -90.0,
-    )  # deg from x of W: which way; the one that ends nearer the arm's middle comes first
+    # deg from x of W: which way; the one that ends nearer the arm's middle comes first.
+    ways: tuple[float, ...] = (90.0, -90.0)
     speed: float = 0.3  # m/s
     approach_speed: float = 0.2  # m/s
 

@@ -10,10 +10,8 @@ import numpy as np
 from vipr.systems.errors import InputError
 
 BASE_REACH, BASE_HEIGHT = 0.050, 0.0754  # m, of the joint of the inner link
-INNER, INNER_ANGLE = (
-    float(np.hypot(0.06994, 0.003)),
-    float(np.arctan2(0.003, 0.06994)),
-)  # m, rad: from joint 2 to joint 3
+# m, rad: from joint 2 to joint 3.
+INNER, INNER_ANGLE = float(np.hypot(0.06994, 0.003)), float(np.arctan2(0.003, 0.06994))
 OUTER, OUTER_ANGLE = 0.0496, np.pi / 4  # m, from joint 3 to the ball at the tip; rad, bent in at rest
 RADIUS = 0.0095  # m
 SPREAD_AXIS = 0.025  # m, of fingers 1 and 2 from the palm's axis

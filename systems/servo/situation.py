@@ -23,9 +23,8 @@ class Situation:
     points_B: np.ndarray  # (n, 3) m, the features, fixed to B
     V_B: np.ndarray  # (6,) twist of B now
     V_G: np.ndarray  # (6,) twist of the goal now
-    x_goal_shown: np.ndarray | None = (
-        None  # (n, 2) where the features were shown, normalised; None: where X_CG puts them
-    )
+    # (n, 2) where the features were shown, normalised; None: where X_CG puts them.
+    x_goal_shown: np.ndarray | None = None
     time: float = 0.0  # s
 
     @cached_property

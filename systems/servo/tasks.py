@@ -37,9 +37,8 @@ class Task:
     """
 
     held: ClassVar[bool] = False  # the seen object is in the hand
-    moves_camera: ClassVar[bool] = (
-        False  # the camera is on the hand: the body that is seen moves by the opposite of the camera's twist
-    )
+    # The camera is on the hand: the body that is seen moves by the opposite of the camera's twist.
+    moves_camera: ClassVar[bool] = False
 
     def X_WC_at(self, X_WE: np.ndarray) -> np.ndarray:
         """Where the camera is believed to be (4, 4)."""

@@ -20,10 +20,8 @@ from vipr.systems.skin.scene import Scene
 from vipr.systems.skin.working_image import odd, unit
 
 KELVINS = (WHITE_KELVIN, 3000.0, 3600.0, 4300.0, 6200.0, 7600.0)  # the first is the light that is believed
-HEAD_START, HEAD_START_LATER = (
-    0.12,
-    0.05,
-)  # looks of a face by which others must beat it: in one frame, over several guesses
+# Looks of a face by which others must beat it: in one frame, over several guesses.
+HEAD_START, HEAD_START_LATER = 0.12, 0.05
 GREY = 0.0  # log B/R that the bluest tenth of a room reaches under white light: something in it is grey
 STRANGE = 0.1  # of log B/R below, from which a light is given up for one that is less strange, though no face shows
 FACE_SEEN = 0.5  # s, in which the memory of a face's looks halves

@@ -34,9 +34,8 @@ class Evidence:
     given: float = 0.0  # 0 to 1, how well a pose given from outside agrees
     unproven: bool = False  # it was not tracked before, and its texture cannot be compared
     quality: float = 0.0  # 0 to 1, how closely and how strongly the nodes' edges fit: compares attempts at one image
-    closeness: float = (
-        0.0  # 0 to 1, how closely alone, and to a fraction of a pixel: tells an edge from a line of print beside it
-    )
+    # 0 to 1, how closely alone, and to a fraction of a pixel: tells an edge from a line of print beside it.
+    closeness: float = 0.0
 
     @property
     def by_edges(self) -> float:

@@ -81,9 +81,8 @@ class Belief:
     X_CO_good: np.ndarray | None = None  # the last pose that was tracked
     doubtful: int = 0  # frames in a row that were not tracked
     started: bool = False  # whether an initial pose was ever given
-    agility: float = (
-        1.0  # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings
-    )
+    # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings.
+    agility: float = 1.0
     closeness: float = 0.75  # 0 to 1, how closely its edges have fitted of late; at first, how closely they might
 
     def __deepcopy__(self, memo):
