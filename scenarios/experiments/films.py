@@ -91,12 +91,13 @@ class Sitting:
     seed: int  # draws body, look, idle motion, noise
     targets: np.ndarray | None = None  # (N, 2) directions pointed to
     lead: int = 0  # frames of the rest before a path that its film begins with; ``bounds`` count them
+    greets: bool = True  # before the paths, in a film that is not kept; False: the paths begin with a greeting
 
     @property
     def file(self) -> str:
         """Name of the file, with a hash of the paths, the person, the seed, and the camera with all that it is made of."""
         made_by = digest_of_modules(*MADE_BY[self.camera])
-        digest = hashlib.sha256(f"{made_by} {self.camera} {self.person} {self.seed} {self.lead}".encode())
+        digest = hashlib.sha256(f"{made_by} {self.camera} {self.person} {self.seed} {self.lead} {self.greets}".encode())
         for path in self.paths:
             for hand in (path.right, path.left):
                 digest.update(b"-" if hand is None else np.round(hand, 6).tobytes())
@@ -121,7 +122,7 @@ def film(sittings: list[Sitting], folder: Path, jobs: int = 1, tick=lambda n: No
 
 
 def _make(sitting, folder):
-    films = (_rendered if sitting.camera == "rendered" else _stand_in)(sitting.paths, sitting.seed, sitting.lead)
+    films = (_rendered if sitting.camera == "rendered" else _stand_in)(sitting)
     table = {name: np.concatenate([f[k] for f in films]) for k, name in enumerate(COLUMNS[:-1])}
     table["lengths"] = np.array([len(f[0]) for f in films])
     file = folder / sitting.file
@@ -149,27 +150,27 @@ def _read(file):
         return None
 
 
-def _rendered(paths, seed, lead):
+def _rendered(sitting):
     os.environ.setdefault("LP_NUM_THREADS", "1")  # of the software renderer: pictures are small, films run side by side
     from vipr.scenarios.people.film import film_gestures
     from vipr.scenarios.people.motion import greeting
 
-    films = []
-    for film in film_gestures([greeting(), *paths], seed=seed, truth=False, lead=lead):
+    films, before = [], [greeting()] if sitting.greets else []
+    for film in film_gestures([*before, *sitting.paths], seed=sitting.seed, truth=False, lead=sitting.lead):
         t = film.tracks
         films.append((t.positions, t.seen, t.merged, t.areas))
-    return films[1:]
+    return films[len(before) :]
 
 
-def _stand_in(paths, seed, lead):
+def _stand_in(sitting):
     """A camera in name only: hands projected from 2.1 m, each seen with 1 px of noise, nothing hidden."""
     from vipr.models.person.generate import BODIES
     from vipr.scenarios.people.motion import rest
 
-    rng = np.random.default_rng(seed)
+    rng, lead = np.random.default_rng(sitting.seed), sitting.lead
     body = BODIES[str(rng.choice(list(BODIES)))]
     films = []
-    for path in paths:
+    for path in sitting.paths:
         n = lead + len(path)
         hands = [
             np.repeat(rest(body, side)[None], n, 0) if p is None else np.concatenate([np.repeat(p[:1], lead, 0), p])

@@ -6,6 +6,7 @@ import numpy as np
 
 from vipr.scenarios.experiments.films import RATE, Reel, Sitting
 from vipr.scenarios.experiments.instructions import GARBAGE, LANGUAGE, Person, perform_all
+from vipr.scenarios.people.motion import greeting
 from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.segmentation import MotionBelief, PauseSettings, advance
@@ -18,7 +19,10 @@ TEST = (4, 320, 240)  # as in the paper: 320 sequences of four people who were n
 
 
 def sittings(test: bool, seed: int, camera: str, share: float = 1.0) -> list[Sitting]:
-    """What the people are to do, each in several sittings; the first ``share`` of each person's sittings."""
+    """What the people are to do, each in several sittings; the first ``share`` of each person's sittings.
+
+    A sitting begins with a greeting, which is no instruction either.
+    """
     people, gestures, others = TEST if test else TRAINING
     group, planned = "test" if test else "training", []
     for n in range(people):
@@ -32,8 +36,10 @@ def sittings(test: bool, seed: int, camera: str, share: float = 1.0) -> list[Sit
                 Person.drawn(number), names.tolist(), np.random.default_rng([number, part])
             )
             name, person = f"instructions-{camera}-{seed}-{group}-{n}-{part}", f"{group} person {n + 1}"
-            bounds = [(first + REST, last + REST) for first, last in bounds]
-            planned.append(Sitting(name, person, paths, names.tolist(), bounds, camera, number, targets, REST))
+            paths, labels = [greeting(), *paths], [GARBAGE, *names.tolist()]
+            bounds = [(first + REST, last + REST) for first, last in [(0, len(paths[0]) - 1), *bounds]]
+            targets = np.vstack([np.full((1, 2), np.nan), targets])
+            planned.append(Sitting(name, person, paths, labels, bounds, camera, number, targets, REST, greets=False))
     return sorted(planned, key=lambda s: int(s.name.rsplit("-", 1)[1]))
 
 
