@@ -95,9 +95,9 @@ class Workcell(Diagram):
 
     ::
 
-        arm_desired_state ─▶ set_points ─▶ plant ──▶ encoders ──▶ joint_state
-                  │                ▲         │
-                  └─▶ inverse_dynamics       │
+        arm_desired_state ─▶ set_points ─┬─▶ plant ──▶ encoders ──▶ joint_state
+              inverse_dynamics ◀─────────┘   │
+                     └───────────────────▶   │
         motor_command, torque_limit          │
                     ──▶ hand_driver ─────▶   ├─▶ hand_encoders ─▶ hand_driver ─▶ motor_position, motor_torque, finger_torque, clutch
         stage_desired_state ─────────────▶   ├─▶ truth ─▶ X_WO_true, X_WE_true, X_CO_true
