@@ -12,39 +12,84 @@ def density(skin: np.ndarray, size: int) -> np.ndarray:
 
 
 def components(dense: np.ndarray, threshold: int, smallest: float, most: int):
-    """The ``most`` largest connected components of ``dense > threshold`` with at least ``smallest`` pixels.
+    """The ``most`` largest 8-connected components of ``dense > threshold`` with at least ``smallest`` pixels.
 
     Returns labels (h, w) uint8 (row + 1, 0 elsewhere), areas (n,) and boxes (n, 4) x y w h in pixels, by falling area.
     """
-    mask = cv2.threshold(dense, threshold, 255, cv2.THRESH_BINARY)[1]
-    n, labels = cv2.connectedComponents(mask, connectivity=8)
-    areas, boxes = _extents(labels, n)
+    runs, n = _runs(dense, threshold)
+    areas, boxes = _extents(runs, n)
     order = np.argsort(-areas, kind="stable")[:most]
     order = order[areas[order] >= smallest]
-    rename = np.zeros(n + 1, np.uint8)
-    rename[order + 1] = np.arange(1, len(order) + 1)
-    return _renamed(labels, rename), areas[order].astype(float), boxes[order].astype(float)
+    rename = np.zeros(n, np.uint8)
+    rename[order] = np.arange(1, len(order) + 1)
+    return _labels(runs, rename, dense.shape), areas[order].astype(float), boxes[order].astype(float)
 
 
 @compiled
-def _extents(labels, n):
-    """Pixels (n - 1,) and boxes (n - 1, 4) x y w h of the components."""
-    areas = np.zeros(n - 1, np.int64)
-    first, last = np.full((n - 1, 2), 1 << 30), np.full((n - 1, 2), -1)
-    for y in range(labels.shape[0]):
-        for x in range(labels.shape[1]):
-            if labels[y, x]:
-                k = labels[y, x] - 1
-                areas[k] += 1
-                first[k, 0], first[k, 1] = min(first[k, 0], x), min(first[k, 1], y)
-                last[k, 0], last[k, 1] = max(last[k, 0], x), max(last[k, 1], y)
+def _runs(dense, threshold):
+    """(m, 4) row, first column, column after the last, component of the stretches of rows above the threshold; number of components.
+
+    A stretch is joined to those that it touches in the row above; components are counted in the order of their first pixels.
+    """
+    rows, columns = dense.shape
+    runs = np.empty((rows * ((columns + 1) // 2), 4), np.int32)
+    m = above = 0
+    for y in range(rows):
+        first, inside = m, False
+        for x in range(columns):
+            if (dense[y, x] > threshold) != inside:
+                inside = not inside
+                if inside:
+                    runs[m, 0], runs[m, 1], runs[m, 3] = y, x, m
+                else:
+                    runs[m, 2], m = x, m + 1
+        if inside:
+            runs[m, 2], m = columns, m + 1
+        i, j = above, first
+        while i < first and j < m:
+            if runs[i, 1] <= runs[j, 2] and runs[j, 1] <= runs[i, 2]:
+                a, b = _root(runs, i), _root(runs, j)
+                runs[max(a, b), 3] = min(a, b)
+            if runs[i, 2] < runs[j, 2]:
+                i += 1
+            else:
+                j += 1
+        above = first
+    n = 0
+    for k in range(m):  # a root is its component's first stretch, so that it has its number before the others ask for it
+        if runs[k, 3] == k:
+            runs[k, 3], n = n, n + 1
+        else:
+            runs[k, 3] = runs[runs[k, 3], 3]
+    return runs[:m], n
+
+
+@compiled
+def _root(runs, k):
+    while runs[k, 3] != k:
+        runs[k, 3] = runs[runs[k, 3], 3]
+        k = runs[k, 3]
+    return k
+
+
+@compiled
+def _extents(runs, n):
+    """Pixels (n,) and boxes (n, 4) x y w h of the components."""
+    areas = np.zeros(n, np.int64)
+    first, last = np.full((n, 2), 1 << 30), np.full((n, 2), -1)
+    for m in range(len(runs)):
+        y, x0, x1, k = runs[m]
+        areas[k] += x1 - x0
+        first[k, 0], first[k, 1] = min(first[k, 0], x0), min(first[k, 1], y)
+        last[k, 0], last[k, 1] = max(last[k, 0], x1 - 1), max(last[k, 1], y)
     return areas, np.hstack((first, last - first + 1))
 
 
 @compiled
-def _renamed(labels, rename):
-    out = np.empty(labels.shape, np.uint8)
-    for y in range(labels.shape[0]):
-        for x in range(labels.shape[1]):
-            out[y, x] = rename[labels[y, x]]
+def _labels(runs, rename, shape):
+    out = np.zeros(shape, np.uint8)
+    for m in range(len(runs)):
+        y, x0, x1, k = runs[m]
+        if rename[k]:
+            out[y, x0:x1] = rename[k]
     return out

@@ -16,7 +16,6 @@ SETTLE = 1.2  # s after which an unchanging pixel is surely background
 FORGET = 0.6  # s after which a changed pixel is no longer
 MOTION_HALF_LIFE = 0.35  # s, of the motion energy
 ALIVE_HALF_LIFE = 4.0  # s, for which a place where something moved is kept out of the background
-_NEIGHBOURS = np.ones((3, 3), np.uint8)
 SAMPLES = 1200  # pixels that the light is judged by
 
 
@@ -47,12 +46,8 @@ def light_change(raw: np.ndarray, scene: Scene, gains: np.ndarray) -> np.ndarray
         ratio = _ratios(raw, scene.pixels, scene.alive, step, np.float32(np.inf))
     if ratio.shape[1] < 60:
         return gains
-    middle = ratio.shape[1] // 2
-    fresh = np.array([np.partition(channel, middle)[middle] for channel in ratio])
-    spread = np.partition(np.abs(ratio[1] / fresh[1] - 1.0), middle)[middle]
-    if spread > 0.25:  # another view, not another light
-        return gains
-    return np.clip(fresh, 0.15, 6.0)
+    fresh, spread = _medians(ratio)
+    return np.clip(fresh, 0.15, 6.0) if spread <= 0.25 else gains  # beyond, it is another view, not another light
 
 
 @compiled
@@ -70,6 +65,15 @@ def _ratios(raw, then, alive, step, calm):
                     ratio[0, n], ratio[1, n], ratio[2, n] = was[0] / b, was[1] / g, was[2] / r
                     n += 1
     return ratio[:, :n]
+
+
+@compiled
+def _medians(ratio):
+    """(3,) of the channels, and that of how far green is from its own, as a share of it."""
+    middle, fresh = ratio.shape[1] // 2, np.empty(3)
+    for c in range(3):
+        fresh[c] = np.partition(ratio[c], middle)[middle]
+    return fresh, np.partition(np.abs(ratio[1] / np.float32(fresh[1]) - np.float32(1.0)), middle)[middle]
 
 
 def is_cut(colours: Chromaticity, scene: Scene) -> bool:
@@ -95,52 +99,84 @@ def watch(
     ``brighter`` is the factor by which the gains have grown since the frame before: noise grows with them.
     """
     luma = colours.luma
-    some = np.abs(luma[::6, ::6] - scene.luma[::6, ::6]).ravel()
-    level = float(np.partition(some, len(some) // 2)[len(some) // 2]) * 1.5
+    level = 1.5 * float(_usual_change(luma, scene.luma))
     noise = max(1.0, brighter) * scene.noise
     noise = 0.9 * noise + 0.1 * min(max(level, 0.5), 12.0)
-    # Beyond all of the neighbourhood then: an edge under a trembling camera is not motion.
-    highest, lowest = cv2.dilate(scene.luma, _NEIGHBOURS), cv2.erode(scene.luma, _NEIGHBOURS)
-    moved = _beyond(luma, lowest, highest, np.float32(3.0 + 2.5 * noise))
-    moved = _together(moved, cv2.blur(moved, (3, 3)))
-    near = cv2.blur(moved, (kernel, kernel))
+    moved = _beyond(luma, scene.luma, np.float32(3.0 + 2.5 * noise))
+    moved = _together(moved, _sum_about(moved, 3))
+    near, nearly_all = _sum_about(moved, kernel), np.float32(6.0 / kernel**2)
     fade, forget = np.float32(0.5 ** (dt / MOTION_HALF_LIFE)), np.float32(0.5 ** (dt / ALIVE_HALF_LIFE))
     margin = np.float32(5.0 + 4.0 * noise)
     motion, alive, stood = _remember(
-        moved, near, scene.motion, scene.alive, scene.sure, fade, forget, colours.pixels, scene.pixels, luma, margin
-    )
+        moved, near, nearly_all, scene.motion, scene.alive, scene.sure, fade, forget,
+        colours.pixels, scene.pixels, luma, margin,
+    )  # fmt: skip
     return Scene(scene.pixels, scene.sure, scene.luma, motion, alive, noise), stood
 
 
+def _sum_about(moved: np.ndarray, kernel: int) -> np.ndarray:
+    """(h, w) uint16: how many pixels moved in the square of ``kernel`` about each."""
+    return cv2.boxFilter(moved, cv2.CV_16U, (kernel, kernel), normalize=False)
+
+
 @compiled
-def _beyond(luma, lowest, highest, margin):
-    moved = np.empty(luma.shape, np.float32)
-    for i in range(luma.shape[0]):
-        for j in range(luma.shape[1]):
-            moved[i, j] = luma[i, j] > highest[i, j] + margin or luma[i, j] < lowest[i, j] - margin
+def _usual_change(now, then):
+    """Median difference of every sixth pixel of two pictures [grey levels]."""
+    rows, columns = (now.shape[0] + 5) // 6, (now.shape[1] + 5) // 6
+    some = np.empty(rows * columns, np.float32)
+    for i in range(rows):
+        for j in range(columns):
+            some[i * columns + j] = abs(now[6 * i, 6 * j] - then[6 * i, 6 * j])
+    return np.partition(some, len(some) // 2)[len(some) // 2]
+
+
+@compiled
+def _beyond(luma, before, margin):
+    """(h, w) uint8, 1 where a pixel is darker or brighter than all of its neighbourhood was before, by more than the margin.
+
+    An edge under a trembling camera is not motion then.
+    """
+    rows, columns = luma.shape
+    moved = np.empty(luma.shape, np.uint8)
+    highest, lowest = np.empty(columns + 2, np.float32), np.empty(columns + 2, np.float32)
+    for i in range(rows):
+        above, here, below = before[max(i - 1, 0)], before[i], before[min(i + 1, rows - 1)]
+        for j in range(columns):
+            a, b, c = above[j], here[j], below[j]
+            high, low = (a, b) if a > b else (b, a)
+            highest[j + 1], lowest[j + 1] = c if c > high else high, c if c < low else low
+        highest[0], lowest[0], highest[columns + 1], lowest[columns + 1] = -np.inf, np.inf, -np.inf, np.inf
+        for j in range(columns):
+            a, b, c = highest[j], highest[j + 1], highest[j + 2]
+            high = a if a > b else b
+            high = c if c > high else high
+            a, b, c = lowest[j], lowest[j + 1], lowest[j + 2]
+            low = a if a < b else b
+            low = c if c < low else low
+            moved[i, j] = (luma[i, j] > high + margin) | (luma[i, j] < low - margin)
     return moved
 
 
 @compiled
-def _together(moved, share):
+def _together(moved, about):
     """What moved without lone noisy pixels: a third of the 3x3 neighbours must agree."""
     out = np.empty_like(moved)
     for i in range(moved.shape[0]):
         for j in range(moved.shape[1]):
-            out[i, j] = moved[i, j] if share[i, j] > 0.3 else np.float32(0.0)
+            out[i, j] = moved[i, j] if about[i, j] >= 3 else 0
     return out
 
 
 @compiled
-def _remember(moved, near, motion, alive, sure, fade, forget, pixels, then, luma, margin):
+def _remember(moved, near, nearly_all, motion, alive, sure, fade, forget, pixels, then, luma, margin):
     """Motion, what is alive and what stood; flat and by choices, as the processor does many pixels at a time."""
     n, one = moved.size, np.float32(1.0)
     moved_, near_, motion_, alive_ = moved.reshape(n), near.reshape(n), motion.reshape(n), alive.reshape(n)
     new_motion, new_alive = np.empty(n, np.float32), np.empty(n, np.float32)
     for k in range(n):
-        before, now = motion_[k] * fade, moved_[k]
+        before, now = motion_[k] * fade, np.float32(moved_[k])
         new_motion[k] = before if before > now else now
-        before, now = alive_[k] * forget, near_[k] * np.float32(6.0)
+        before, now = alive_[k] * forget, np.float32(near_[k]) * nearly_all
         now = now if now < one else one
         new_alive[k] = before if before > now else now
     stood = _same(pixels, then, luma, margin) * sure
