@@ -6,12 +6,14 @@ tells a face from a wall of nearly its colour. Both are bounded: regions move th
 (in coordinates freed of the light), and no more than a share each second.
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import cv2
 import numpy as np
 
+from vipr.systems.compiled import compiled
 from vipr.systems.skin.chromaticity import G_BINS, R_BINS, bin_centres, by_index
 from vipr.systems.skin.locus import SkinBox, box_table, skin_prior
 
@@ -85,7 +87,7 @@ def adapt(model: ColourModel, skin: np.ndarray, rest: np.ndarray, dt: float, tru
     """The model after ``dt`` s with histograms of pixels on the person and elsewhere (sums of weights); trust 0 to 1 in the regions."""
     rest_total = float(rest.sum())
     if rest_total > 0:
-        rate = 1.0 - np.exp(-dt * RATE)
+        rate = 1.0 - math.exp(-dt * RATE)
         seen = 0.85 * cv2.GaussianBlur(rest, (3, 3), 0.8) / rest_total + 0.15 * _uniform()
         model = replace(model, rest=(1 - rate) * model.rest + rate * seen)
     total = float(skin.sum())
@@ -100,7 +102,7 @@ def adapt(model: ColourModel, skin: np.ndarray, rest: np.ndarray, dt: float, tru
     if total < 12.0:
         return model
     bounded = cv2.GaussianBlur(bounded, (5, 5), 1.1) / total
-    rate = trust * (1.0 - np.exp(-dt * RATE))
+    rate = trust * (1.0 - math.exp(-dt * RATE))
     old = model.skin if model.share else bounded
     share = min(LARGEST_SHARE, model.share + trust * dt * LEARN)
     adapted = (1 - rate) * old + rate * bounded
@@ -109,14 +111,27 @@ def adapt(model: ColourModel, skin: np.ndarray, rest: np.ndarray, dt: float, tru
 
 def _adapted_box(box: SkinBox, histogram: np.ndarray, rate: float) -> SkinBox:
     """The box moved towards the 2 and 98 percent points of the histogram (with a margin of one bin), at the given rate."""
-    r, g = bin_centres()
-    limits = []
-    for profile, centres in ((histogram.sum(1), r[:, 0]), (histogram.sum(0), g[0])):
-        share = np.cumsum(profile) / max(float(profile.sum()), 1e-9)
-        low, high = centres[np.minimum(np.searchsorted(share, (0.02, 0.98)), len(centres) - 1)]
-        limits += [low - 0.006, high + 0.006]
-    new = (1 - rate) * box.as_array() + rate * np.array(limits)
-    return SkinBox(*(float(x) for x in np.clip(new, 0.0, 1.0)))
+    new = []
+    for profile, centres in zip((histogram.sum(1), histogram.sum(0)), bin_centres(), strict=True):
+        low, high = centres.ravel()[_middle(profile, 0.02)]
+        new += [low - 0.006, high + 0.006]
+    old = (box.r_low, box.r_high, box.g_low, box.g_high)
+    return SkinBox(*(min(max((1 - rate) * a + rate * float(b), 0.0), 1.0) for a, b in zip(old, new, strict=True)))
+
+
+@compiled
+def _middle(profile, beyond):
+    """First and last bin of a profile without the shares ``beyond`` at either end."""
+    total, so_far = max(profile.sum(), 1e-9), 0.0
+    bins = np.full(2, len(profile) - 1)
+    for k in range(len(profile) - 1, -1, -1):
+        bins[1] = k if so_far <= beyond * total else bins[1]
+        so_far += profile[k]
+    so_far = 0.0
+    for k in range(len(profile)):
+        bins[0] = k if so_far < beyond * total else bins[0]
+        so_far += profile[k]
+    return bins
 
 
 __all__ = ["ColourModel", "adapt", "box_table", "initial_model", "skin_table"]

@@ -32,10 +32,6 @@ class SkinBox:
         """Whether chromaticities r, g (arrays) lie in the box."""
         return (r >= self.r_low) & (r <= self.r_high) & (g >= self.g_low) & (g <= self.g_high)
 
-    def as_array(self) -> np.ndarray:
-        """(4,) r_low, r_high, g_low, g_high."""
-        return np.array([self.r_low, self.r_high, self.g_low, self.g_high])
-
 
 def in_locus(r, g, widen: float = 0.0, white_radius: float = 0.02):
     """Whether r, g (arrays) lie in the shell around the skin locus, ``widen`` outside it at most, and not near white."""

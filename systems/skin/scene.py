@@ -231,14 +231,18 @@ def _settle(then, sure, luma, motion, pixels, person, margin, dt):
     sure_, motion_, person_ = sure.reshape(n), motion.reshape(n), person.reshape(n)
     was, now = then.reshape(3 * n), pixels.reshape(3 * n)
     picture, surer, rate = np.empty(3 * n, np.float32), np.empty(n, np.float32), np.empty(n, np.float32)
-    settled, changed, covered = dt / SETTLE, -dt / FORGET, -dt / (8 * FORGET)
-    keep = min(1.0, 1.5 * dt)
+    settled, changed, covered = dt / np.float32(SETTLE), -dt / np.float32(FORGET), -dt / np.float32(8 * FORGET)
+    keep = min(one, np.float32(1.5) * dt)
     for k in range(n):
         step = settled if same[k] > zero else changed
-        step = covered if person_[k] or motion_[k] > np.float32(0.25) else step
-        surer[k] = min(max(sure_[k] + step, 0.0), 1.0)
-        rate[k] = one if surer[k] <= zero else keep if same[k] > zero else zero
+        step = covered if person_[k] | (motion_[k] > np.float32(0.25)) else step
+        known = sure_[k] + step
+        known = known if known < one else one
+        known = known if known > zero else zero
+        surer[k] = known
+        kept = keep if same[k] > zero else zero
+        rate[k] = one if known <= zero else kept
     for k in range(n):
-        for c in range(3 * k, 3 * k + 3):
-            picture[c] = was[c] + rate[k] * (now[c] - was[c])
+        for c in range(3):
+            picture[3 * k + c] = was[3 * k + c] + rate[k] * (now[3 * k + c] - was[3 * k + c])
     return picture.reshape(then.shape), surer.reshape(sure.shape)
