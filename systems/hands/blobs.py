@@ -43,11 +43,12 @@ def _pixels(labels, label):
     return out
 
 
-def ends(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
+@compiled
+def ends(p):
     """The two ends (2,) of a blob p (n, 2), its length and its mean width [px]."""
-    a = p[_farthest(p, *p.mean(0))]
-    b = p[_farthest(p, *a)]
-    length = float(np.hypot(*(a - b))) + 1.0
+    a = p[_farthest(p, p[:, 0].sum() / len(p), p[:, 1].sum() / len(p))]
+    b = p[_farthest(p, a[0], a[1])]
+    length = np.hypot(a[0] - b[0], a[1] - b[1]) + 1.0
     return a, b, length, len(p) / length
 
 

@@ -40,7 +40,7 @@ def measure(tracks: dict, choice: dict, found: list[Candidate], labels, motion, 
             centre, area = hand_before_face(r, tracks["face"].head_height), t.area
         else:
             centre, area = hand_of(r, labels, motion, expected, body_of(tracks, name))
-        far = np.hypot(*(centre - expected)) > (GATE[name][0] + GATE[name][1] * dt) * u
+        far = math.hypot(*(centre - expected).tolist()) > (GATE[name][0] + GATE[name][1] * dt) * u
         arm_seen = name != "face" and area < 0.7 * r.area and not r.remnant
         doubt = HIDDEN if r.arm is not None else END_OF_ARM if name != "face" and area < 0.7 * r.area else 1.0
         f = anew(name, centre, u) if far else kalman.update(t.filter, *centre, SIGMA_N * u * doubt)
