@@ -7,8 +7,9 @@ import numpy as np
 
 from vipr.systems.compiled import compiled
 from vipr.systems.hands import kalman
+from vipr.systems.hands.blobs import ARM_SLENDERNESS, ends, pixels_of
 from vipr.systems.hands.candidates import Candidate
-from vipr.systems.hands.parts import HEAD, SIGMA_N, Track, hand_before_face, in_neck
+from vipr.systems.hands.parts import BARE, HEAD, SIGMA_N, Track, body_of, hand_before_face, in_neck
 
 GATE2 = 20.0  # squared Mahalanobis distance
 # px and px/s at 160 x 120: no part moves farther in a frame
@@ -19,16 +20,18 @@ GATE = {
 }
 COASTS = 0.3  # s unseen, for which a hand's own track looks for its region
 COST_UNSEEN, COST_SHARED = 14.0, 7.0
+COST_ELBOW = 6.0  # a height of the head, by which the elbow of a bare arm is where it cannot be
 
 
 def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, u: float) -> dict:
     """{part: index of its region or None} of least cost; a region may be shared at a price."""
     names, face = list(tracks), tracks.get("face")
     arm = any(r.arm is not None for r in found)
+    elbows = _elbows(tracks, found, labels)
     options = []
     for name, t in tracks.items():
         prices = (
-            (i, _price(name, t, r, face, labels, dt, u))
+            (i, _price(name, t, r, face, labels, dt, u, elbows.get((name, i), 0.0)))
             for i, r in enumerate(found)
             if not (arm and r.cut and name != "face")
         )
@@ -49,7 +52,7 @@ def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, 
 
 
 def _price(
-    name: str, t: Track, r: Candidate, face: Track | None, labels: np.ndarray, dt: float, u: float
+    name: str, t: Track, r: Candidate, face: Track | None, labels: np.ndarray, dt: float, u: float, elbow: float
 ) -> tuple[float, bool]:
     """What it costs that a part is in a region, infinite where it cannot be; and whether it lies deep in it and was there
     just now, so that it may share it.
@@ -81,8 +84,23 @@ def _price(
     )
     cost += 3.0 * max(0.0, 0.5 - r.person)
     if name != "face":
-        cost += 2.5 * max(0.0, 0.5 * t.life - r.moving)
+        cost += 2.5 * max(0.0, 0.5 * t.life - r.moving) + COST_ELBOW * elbow
     return float(cost), gap < 2.5 * u and t.unseen < 0.1
+
+
+def _elbows(tracks: dict, found: list[Candidate], labels: np.ndarray) -> dict:
+    """{(hand, index of a region): how far astray the elbow would be} of regions that are bare arms, once arms have been seen bare."""
+    bodies = {name: body_of(tracks, name) for name in ("left", "right") if name in tracks}
+    if None in bodies.values() or not any(t.bare > BARE for t in tracks.values()):
+        return {}
+    astray = {}
+    for i, r in enumerate(found):
+        if r.cut or r.remnant or r.area < 8.0 * r.core[2]:
+            continue
+        a, b, length, width = ends(pixels_of(labels, r.row))
+        if length > ARM_SLENDERNESS * width:
+            astray |= {(name, i): body.elbow_astray((a, b)) for name, body in bodies.items()}
+    return astray
 
 
 def _together(regions: list, deep: list[bool], names: list[str], tracks: dict, found: list[Candidate]) -> float:

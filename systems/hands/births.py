@@ -7,12 +7,13 @@ import numpy as np
 
 from vipr.systems.hands.blobs import HAND_LENGTH
 from vipr.systems.hands.candidates import Candidate
-from vipr.systems.hands.measurement import body_of, hand_of, head_of
+from vipr.systems.hands.measurement import hand_of, head_of
 from vipr.systems.hands.parts import (
     HEAD,
     LOST_AFTER,
     SMALLEST_HEAD,
     Track,
+    body_of,
     born,
     closeness,
     in_neck,

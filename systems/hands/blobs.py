@@ -11,6 +11,7 @@ HAND_LENGTH_IN_WIDTHS = 2.3  # a hand is about this much longer than its arm is 
 # In heights of the head (Drillis and Contini's proportions of the body):
 HAND_LENGTH, UPPER_ARM = 0.66, 1.43  # of the hand what is seen of it: fingers are thin and often bent
 SHOULDER = (0.86, 0.90)  # from the middle of the face: to the side, down
+INWARDS = 0.3  # from the shoulder towards the other, where elbows are still seen
 FOREARM = 1.5  # from the elbow to the middle of the hand
 ARM_BESIDE_HEAD = 0.9  # length from which a slender thing at the head is an arm, not a hand or the neck
 ARM_WIDTH = 0.45  # what is wider is hand as well
@@ -75,6 +76,17 @@ class Body:
     def beyond_elbow(self, point: np.ndarray) -> float:
         """How much farther from the shoulder a point is than the elbow can be, in heights of the head; 0 where it can be the elbow."""
         return max(0.0, float(np.hypot(*(point - self.shoulder))) / self.head - 1.08 * UPPER_ARM)
+
+    def elbow_astray(self, ends: tuple[np.ndarray, np.ndarray]) -> float:
+        """How far the likelier elbow of a bare arm with these ends is from where this arm's can be, in heights of the head.
+
+        Within reach of the shoulder, and not before the chest: hands cross, elbows hardly ever.
+        """
+        outwards = 1.0 if self.shoulder[0] > self.other[0] else -1.0
+        return min(
+            self.beyond_elbow(end) + max(0.0, outwards * float(self.shoulder[0] - end[0]) / self.head - INWARDS)
+            for end in ends
+        )
 
     def is_elbow(self, point: np.ndarray) -> bool:
         """Whether a point is within reach of either elbow."""

@@ -7,10 +7,10 @@ import numpy as np
 
 from vipr.systems.hands import kalman
 from vipr.systems.hands.assignment import GATE
-from vipr.systems.hands.blobs import SHOULDER, Body, hand_end, head_in, pixels_of
+from vipr.systems.hands.blobs import Body, hand_end, head_in, pixels_of
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.merging import measure_shared
-from vipr.systems.hands.parts import LOST_AFTER, SIGMA_N, Track, anew, hand_before_face
+from vipr.systems.hands.parts import SIGMA_N, Track, anew, body_of, hand_before_face
 
 MISSED = 150.0  # px/s at 160 x 120, the highest speed of a part that is missed: faster ones were mostly an error of the measurement before
 END_OF_ARM = 1.5  # times the noise of a centre, where only the end of a bare arm says where the hand is
@@ -74,14 +74,3 @@ def hand_of(r: Candidate, labels: np.ndarray, motion: np.ndarray, expected, body
         return r.centre, r.area
     centre, count = hand_end(p, expected, body, motion)
     return (r.centre, r.area) if count >= len(p) else (centre, r.area * count / len(p))
-
-
-def body_of(tracks: dict, name: str) -> Body | None:
-    """What the face says of the arm of a hand; None without a face."""
-    face = tracks.get("face")
-    if face is None or face.unseen > LOST_AFTER:
-        return None
-    head = face.head_height
-    across = (SHOULDER[0] if name == "left" else -SHOULDER[0]) * head
-    x, y = face.filter.x, face.filter.y + SHOULDER[1] * head
-    return Body(np.array([x + across, y]), np.array([x - across, y]), head, face.area)

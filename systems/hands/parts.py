@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vipr.systems.hands import kalman
-from vipr.systems.hands.blobs import FOREARM
+from vipr.systems.hands.blobs import FOREARM, SHOULDER, Body
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.kalman import Kalman
 
@@ -18,6 +18,7 @@ SIGMA_V = {"face": 20.0, "left": 60.0, "right": 60.0}  # velocity of a new track
 LOST_AFTER = 0.7  # s unseen, after which a part may come back anywhere
 SMALLEST_HEAD = 2.2  # px at 160 x 120, the radius of the core of the smallest region that may become the face
 BEYOND = 0.4  # heights of the head, from where an arm goes before the face to the middle of its hand
+BARE = 0.4  # share of the frames in which an arm was seen, from which sleeves are short
 USUAL_HEAD = 8.0  # px, half the width of a head at 160 x 120, for which the noises of the parts are set
 HEAD = 0.48  # headlike from which a region can become the face
 
@@ -90,3 +91,14 @@ def smallest_hand(face: Track, share: float, u: float) -> float:
 def closeness(face: Track | None, u: float) -> float:
     """How many times nearer a person is than one whose hands move as the constants say: near the camera all moves by more pixels."""
     return 1.0 if face is None else min(max(face.head_radius / (USUAL_HEAD * u), 1.0), 2.5)
+
+
+def body_of(tracks: dict, name: str) -> Body | None:
+    """What the face says of the arm of a hand; None without a face."""
+    face = tracks.get("face")
+    if face is None or face.unseen > LOST_AFTER:
+        return None
+    head = face.head_height
+    across = (SHOULDER[0] if name == "left" else -SHOULDER[0]) * head
+    x, y = face.filter.x, face.filter.y + SHOULDER[1] * head
+    return Body(np.array([x + across, y]), np.array([x - across, y]), head, face.area)

@@ -19,11 +19,10 @@ from vipr.systems.hands.head_cut import cut_out_head
 from vipr.systems.hands.identities import doubt_face, settle_face, settle_sides
 from vipr.systems.hands.kalman import Kalman
 from vipr.systems.hands.measurement import measure
-from vipr.systems.hands.parts import LOST_AFTER, PARTS, SIGMA_W, Track, closeness, smallest_hand
+from vipr.systems.hands.parts import BARE, LOST_AFTER, PARTS, SIGMA_W, Track, closeness, smallest_hand
 from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin.working_image import unit
 
-BARE = 0.4  # share of the frames in which an arm was seen, from which sleeves are short
 CONFIRM = 2  # frames after which a new track is reported
 
 
