@@ -20,7 +20,7 @@ GATE = {
 }
 COASTS = 0.3  # s unseen, for which a hand's own track looks for its region
 COST_UNSEEN, COST_SHARED = 14.0, 7.0
-COST_ELBOW = 6.0  # a height of the head, by which the elbow of a bare arm is where it cannot be
+COST_ELBOW = 8.0  # by which the elbow of a bare arm is a height of the head farther from where it can be than if it were the other arm
 
 
 def assign(tracks: dict, found: list[Candidate], labels: np.ndarray, dt: float, u: float) -> dict:
@@ -89,18 +89,20 @@ def _price(
 
 
 def _elbows(tracks: dict, found: list[Candidate], labels: np.ndarray) -> dict:
-    """{(hand, index of a region): how far astray the elbow would be} of regions that are bare arms, once arms have been seen bare."""
+    """{(hand, index of a region): by how much its elbow would be more astray than the other hand's, 0 to 1} of regions that are
+    bare arms, once arms have been seen bare."""
     bodies = {name: body_of(tracks, name) for name in ("left", "right") if name in tracks}
-    if None in bodies.values() or not any(t.bare > BARE for t in tracks.values()):
+    if len(bodies) < 2 or None in bodies.values() or not any(t.bare > BARE for t in tracks.values()):
         return {}
-    astray = {}
+    more = {}
     for i, r in enumerate(found):
         if r.cut or r.remnant or r.area < 8.0 * r.core[2]:
             continue
         a, b, length, width = ends(pixels_of(labels, r.row))
         if length > ARM_SLENDERNESS * width:
-            astray |= {(name, i): body.elbow_astray((a, b)) for name, body in bodies.items()}
-    return astray
+            left, right = (bodies[name].elbow_astray((a, b)) for name in ("left", "right"))
+            more |= {("left", i): min(max(left - right, 0.0), 1.0), ("right", i): min(max(right - left, 0.0), 1.0)}
+    return more
 
 
 def _together(regions: list, deep: list[bool], names: list[str], tracks: dict, found: list[Candidate]) -> float:

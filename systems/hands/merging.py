@@ -7,7 +7,7 @@ import numpy as np
 from vipr.systems.hands import kalman
 from vipr.systems.hands.blobs import Body, far_end, pixels_of, split
 from vipr.systems.hands.candidates import Candidate
-from vipr.systems.hands.parts import SIGMA_N, Track
+from vipr.systems.hands.parts import HEAD, SIGMA_N, Track
 
 STILL = 0.05  # share of the pixels of a face's region that move, below which a hand in it may as well be the neck
 COVERED = 30.0  # times the noise of a centre, of a face that shares its region, at 25 frames a second (less at fewer)
@@ -36,7 +36,7 @@ def measure_shared(
             shared[k], noise = tip, 3.0
     f = kalman.update(t.filter, *shared[k], SIGMA_N * u * noise)
     sizes = [tracks[s].area for s in sharers]
-    crowded = r.area < sum(sizes) - 0.65 * min(sizes) or ("face" in sharers and r.moving < STILL)
+    crowded = r.area < sum(sizes) - 0.65 * min(sizes) or ("face" in sharers and r.moving < STILL and r.headlike > HEAD)
     met = t.met or len({"left", "right"} & set(sharers)) == 2
     return replace(t, filter=f, unseen=0.0, elbow=None, hits=t.hits + 1, shared=True, met=met,
                    crowded=t.crowded + dt if crowded else 0.0)  # fmt: skip

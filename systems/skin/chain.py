@@ -62,12 +62,9 @@ def see_skin(
     mark("reduction")
     gains, cut = belief.gains, belief.scene is None or belief.scene.sure.shape != small.shape[:2]
     anew = cut  # nothing is known yet of the person under this light
-    covered = tracks is not None and "face" in tracks.merged  # a face before which a hand is shows no marks
     if not cut and options.follow_light:
         gains = scene.light_change(small, belief.scene, gains)
-        correction, light = (
-            (None, belief.light) if covered else light_again(small, gains, belief.scene, belief.light, time)
-        )
+        correction, light = light_again(small, gains, belief.scene, belief.light, time)
         belief = replace(belief, light=light)
         if correction is not None:
             gains, belief, anew = gains * correction, _relit(belief, correction), True
@@ -98,7 +95,7 @@ def see_skin(
     mark("components")
     found = describe(labels, boxes, skin, colours.luma, still)
     mark("description")
-    light = belief.light if covered else face_seen(belief.light, found, dt)
+    light = face_seen(belief.light, found, dt, covered=tracks is not None and "face" in tracks.merged)
     learned = belief.learned
     if cut or time - learned >= LEARN_EVERY - 1e-6:
         since, learned = (0.04 if cut else min(time - learned, 0.5)), time

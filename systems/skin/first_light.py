@@ -67,8 +67,13 @@ def light_again(
     return corrections[best], LightSearch(float(looks[best]), due=time + search.wait, wait=wait)
 
 
-def face_seen(search: LightSearch, found: Found, dt: float) -> LightSearch:
-    """The search ``dt`` s later, when ``found`` was seen under the light that is believed."""
+def face_seen(search: LightSearch, found: Found, dt: float, covered: bool = False) -> LightSearch:
+    """The search ``dt`` s later, when ``found`` was seen under the light that is believed.
+
+    A face that was sure before a hand ``covered`` it is not forgotten: it shows no marks, whatever the light.
+    """
+    if covered and search.face > SURE_FACE:
+        return search
     keep = 0.5 ** (dt / FACE_SEEN)
     return replace(search, face=keep * search.face + (1.0 - keep) * float(_looks(found).max(initial=0.0)))
 
