@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from vipr.systems.hands.assignment import assign
 from vipr.systems.hands.blobs import Body, arm_at_head, far_end
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.head_cut import cut_out_head
@@ -98,3 +99,26 @@ def test_a_face_below_a_hand_is_given_up_if_it_looks_like_none(headlike, given_u
     for _ in range(20):
         tracks, doubt = doubt_face(tracks, [], doubt, 0.04)
     assert ("face" not in tracks) == given_up and "right" in tracks
+
+
+@pytest.mark.parametrize("bare", [True, False])
+def test_bare_arms_that_part_after_crossing_are_told_by_their_elbows_not_by_which_end_is_nearer(bare):
+    labels, found = np.zeros((120, 160), np.uint8), []
+    cv2.ellipse(labels, (80, 38), (8, 10), 0, 0, 360, 1, -1)
+    cv2.line(labels, (61, 71), (76, 54), 2, 5)  # the right arm, its hand at the breast
+    cv2.line(labels, (99, 71), (84, 54), 3, 5)
+    for row in range(3):
+        y, x = np.nonzero(labels == row + 1)
+        box = np.array([x.min(), y.min(), np.ptp(x) + 1, np.ptp(y) + 1], float)
+        centre = np.array([x.mean(), y.mean()])
+        found.append(
+            Candidate(
+                row, centre, float(len(x)), box, np.array([*centre, 8.0 if row == 0 else 2.5]), 0.9, 0.1, moving=0.5
+            )
+        )
+    face = Track(start(80.0, 38.0, 0.8, 20.0), 260.0, hits=40, headlike=0.6)
+    crossed = {"face": face, "left": hand(0.0, bare=0.5 * bare), "right": hand(0.0, bare=0.5 * bare)}
+    crossed["left"] = replace(crossed["left"], filter=start(77.0, 58.0, 3.0, 150.0))
+    crossed["right"] = replace(crossed["right"], filter=start(83.0, 58.0, 3.0, 150.0))
+    choice = assign(crossed, found, labels, 0.04, 1.0)
+    assert (choice["left"], choice["right"]) == ((2, 1) if bare else (1, 2))

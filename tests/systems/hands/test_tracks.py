@@ -8,7 +8,11 @@ import pytest
 from drawn_people import FACE, LEFT, RIGHT, waving
 
 from vipr.systems.hands.blobs import Body, hand_end, head_in, split
+from vipr.systems.hands.candidates import candidates
+from vipr.systems.hands.kalman import start
 from vipr.systems.hands.label_truth import tracks_from_labels
+from vipr.systems.hands.merging import measure_shared
+from vipr.systems.hands.parts import Track
 from vipr.systems.hands.pipeline import PeopleBelief, exchanged, see_people
 from vipr.systems.hands.tracks import TracksBelief, follow
 from vipr.systems.signals import SkinRegions
@@ -99,6 +103,18 @@ def test_a_small_piece_beside_a_hand_is_no_other_hand():
     frames = [[HEAD, (58, 75 - k % 3, 7, 0.0)] + ([(73, 75, 5, 0.0)] if k > 4 else []) for k in range(40)]
     outputs = track(frames)
     assert outputs[-1].right_seen and not any(o.left_seen for o in outputs)
+
+
+def test_a_hand_in_a_face_in_which_nothing_moves_may_be_elsewhere():
+    both = regions(0, [HEAD, (80, 47, 6, 0.0)])
+    tracks = {
+        "face": Track(start(80.0, 30.0, 0.8, 20.0), 440.0, headlike=0.7),
+        "right": Track(start(80.0, 47.0, 0.8, 60.0), 100.0, shared=True),
+    }
+    for moving in (0.0, 0.3):
+        region = replace(candidates(both, tracks)[0], moving=moving)
+        seen = measure_shared("right", tracks["right"], list(tracks), tracks, None, region, both.labels, 0.04, 1.0)
+        assert (seen.crowded > 0.0) == (moving == 0.0)
 
 
 def test_hands_that_cross_keep_their_names():

@@ -6,7 +6,8 @@ from vipr.systems.camera.illumination import illuminate, light_gains
 from vipr.systems.hands.ahead_of_time import picture
 from vipr.systems.skin import scene
 from vipr.systems.skin.chromaticity import chromaticity
-from vipr.systems.skin.first_light import LightSearch, first_light, light_again
+from vipr.systems.skin.first_light import SURE_FACE, LightSearch, face_seen, first_light, light_again
+from vipr.systems.skin.regions import Found
 
 
 def colour_error(gains, kelvin=5000.0):
@@ -41,3 +42,11 @@ def test_a_light_under_which_no_face_shows_is_given_up_for_one_under_which_a_fac
 
 def test_a_light_under_which_a_face_shows_is_kept():
     assert guess_again(LightSearch(face=0.5), light_gains(1.0, 3000.0)) is None
+
+
+def test_a_sure_face_is_not_forgotten_while_a_hand_covers_it():
+    nothing = Found(np.zeros((0, 2)), *np.zeros((3, 0)), np.zeros((0, 3)), np.zeros(0))
+    sure = LightSearch(face=0.4)
+    assert face_seen(sure, nothing, 2.0).face < SURE_FACE
+    assert face_seen(sure, nothing, 2.0, covered=True).face == 0.4
+    assert face_seen(LightSearch(face=0.2), nothing, 2.0, covered=True).face < 0.1  # it was never sure
