@@ -68,10 +68,9 @@ def find_cores(labels: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     if not len(boxes):
         return np.zeros((0, 3))
     (x0, y0), (x1, y1) = boxes[:, :2].min(0).astype(int), (boxes[:, :2] + boxes[:, 2:]).max(0).astype(int)
-    part = labels[y0:y1, x0:x1]
-    contours, _ = cv2.findContours(np.minimum(part, 1), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    filled = np.zeros((part.shape[0] + 2, part.shape[1] + 2), np.uint8)
-    cv2.drawContours(filled, contours, -1, 255, cv2.FILLED, offset=(1, 1))
+    outside = cv2.copyMakeBorder(labels[y0:y1, x0:x1], 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    cv2.floodFill(outside, None, (0, 0), 255)
+    filled = cv2.threshold(outside, 254, 1, cv2.THRESH_BINARY_INV)[1]
     inside = cv2.distanceTransform(filled, cv2.DIST_L2, 3)[1:-1, 1:-1]
     return _deepest(labels, inside, x0, y0, len(boxes))
 
