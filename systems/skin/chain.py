@@ -11,8 +11,8 @@ import numpy as np
 
 from vipr.systems.signals import HandTracks, SkinRegions
 from vipr.systems.skin import colour_model, scene
-from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup
-from vipr.systems.skin.classifier import DARKEST, SkinOptions, classify, without_still
+from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup, quiet
+from vipr.systems.skin.classifier import SkinOptions, classify, without_still
 from vipr.systems.skin.colour_model import ColourModel, initial_model, possible_table
 from vipr.systems.skin.density import components, density
 from vipr.systems.skin.first_light import LightSearch, face_seen, first_light, light_again
@@ -58,6 +58,7 @@ def see_skin(
     """
     dt = min(max(time - belief.regions.time, 1e-3), 0.5)
     small, scale = reduce(image, options.working_area)
+    small = quiet(small)
     u = unit(small.shape)
     mark("reduction")
     gains, cut = belief.gains, belief.scene is None or belief.scene.sure.shape != small.shape[:2]
@@ -75,7 +76,7 @@ def see_skin(
         belief, cut, anew = SkinBelief(light=light, learned=time), True, True
         colours = chromaticity(small, gains)
         still, stood = scene.new_scene(colours), np.zeros(small.shape[:2], np.float32)
-        rest = histogram_of_rest(colours, colours.total >= DARKEST, still)
+        rest = histogram_of_rest(colours, colours.bright, still)
         model = colour_model.adapt(belief.model, np.zeros_like(rest), rest, 0.3)
     else:
         model = belief.model

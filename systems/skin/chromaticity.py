@@ -14,6 +14,9 @@ from vipr.systems.compiled import compiled
 R_BINS, G_BINS = 96, 64  # of a table over r and g
 R_LOW, G_LOW, STEP = 0.15, 0.10, 1.0 / 160.0  # r from 0.15 to 0.75, g from 0.10 to 0.50
 LUMA = np.array([[0.25, 0.5, 0.25]], np.float32)
+DARKEST = 36.0  # R + G + B below which chromaticity is noise in a well lit picture
+LIT = 0.12  # of the level that the brightest tenth of a picture exceeds, below which it is noise in a dim one
+DARKEST_OF_ALL = 15.0  # below which it is noise even in a picture made quiet
 WHITE = np.ones(3)  # gains of B, G, R that leave an image alone
 
 
@@ -25,12 +28,30 @@ class Chromaticity:
     total: np.ndarray  # (h, w) float32, R + G + B of the camera, before the gains
     pixels: np.ndarray  # (h, w, 3) float32 BGR, after the gains
     luma: np.ndarray  # (h, w) float32, brightness after the gains
+    darkest: float = DARKEST  # total below which chromaticity is noise
+
+    @property
+    def bright(self) -> np.ndarray:
+        """(h, w) bool, where chromaticity is more than noise."""
+        return self.total >= self.darkest
+
+
+def darkest(image: np.ndarray) -> float:
+    """R + G + B below which chromaticity is noise in image (h, w, 3) BGR uint8: less in a dim one, so that what is skin stays so."""
+    some = image[::6, ::6].astype(np.int32).sum(2).ravel()
+    brightest = float(np.partition(some, 9 * len(some) // 10)[9 * len(some) // 10])
+    return min(max(LIT * brightest, DARKEST_OF_ALL), DARKEST)
+
+
+def quiet(image: np.ndarray) -> np.ndarray:
+    """The image itself; in dim light, where noise is much of its colour, each pixel as the mean of its neighbourhood."""
+    return cv2.GaussianBlur(image, (3, 3), 0) if darkest(image) < DARKEST else image
 
 
 def chromaticity(image: np.ndarray, gains: np.ndarray = WHITE) -> Chromaticity:
     """Table indices of r and g of image (h, w, 3) BGR uint8, after the channels are multiplied by ``gains`` (3,)."""
     index, total, pixels = _convert(np.ascontiguousarray(image), np.asarray(gains, np.float32))
-    return Chromaticity(index, total, pixels, cv2.transform(pixels, LUMA))
+    return Chromaticity(index, total, pixels, cv2.transform(pixels, LUMA), darkest(image))
 
 
 @compiled

@@ -10,7 +10,6 @@ from vipr.systems.skin.chromaticity import Chromaticity, hue_saturation, lookup
 from vipr.systems.skin.colour_model import ColourModel
 from vipr.systems.skin.locus import SkinBox, box_table
 
-DARKEST = 36.0  # R + G + B below which chromaticity is noise
 CLASSIFIERS = ("ratio", "box", "locus", "hsi")
 
 
@@ -45,7 +44,7 @@ def classify(image: np.ndarray, colours: Chromaticity, model: ColourModel, optio
         skin = lookup(box_table(SkinBox(1.0 / 3.0, 1.0, 0.0, 1.0)), colours.index)
     else:
         skin = lookup(model.table, colours.index)
-    return _bright_enough(skin, colours.total, np.float32(DARKEST))
+    return _bright_enough(skin, colours.total, np.float32(colours.darkest))
 
 
 @compiled

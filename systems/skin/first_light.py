@@ -11,7 +11,7 @@ import numpy as np
 from vipr.systems.camera.illumination import WHITE_KELVIN, light_gains
 from vipr.systems.skin import colour_model, scene
 from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup, nearest_index
-from vipr.systems.skin.classifier import DARKEST, SkinOptions, classify, without_still
+from vipr.systems.skin.classifier import SkinOptions, classify, without_still
 from vipr.systems.skin.colour_model import initial_model, usual_table
 from vipr.systems.skin.density import components, density
 from vipr.systems.skin.learning import SURE_FACE, histogram_of_rest
@@ -105,7 +105,7 @@ def _look(small: np.ndarray, gains: np.ndarray, still: Scene | None) -> float:
     """0 to 1, how much some region under these gains looks like a face, without what always stood there if that is known."""
     u, colours = unit(small.shape), chromaticity(small, gains)
     room = scene.new_scene(colours) if still is None else still
-    rest = histogram_of_rest(colours, colours.total >= DARKEST, room)
+    rest = histogram_of_rest(colours, colours.bright, room)
     skin = classify(small, colours, colour_model.adapt(initial_model(), np.zeros_like(rest), rest, 0.3), SkinOptions())
     if still is not None:
         skin = without_still(skin, scene.stood(colours, still))

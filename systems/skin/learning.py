@@ -7,7 +7,6 @@ from vipr.systems.compiled import compiled
 from vipr.systems.signals import HandTracks
 from vipr.systems.skin import colour_model, scene
 from vipr.systems.skin.chromaticity import G_BINS, R_BINS, Chromaticity, histogram, lookup
-from vipr.systems.skin.classifier import DARKEST
 from vipr.systems.skin.colour_model import doubt_table
 from vipr.systems.skin.regions import Found
 from vipr.systems.skin.scene import Scene
@@ -34,7 +33,7 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
         still = scene.settle(still, colours, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
     if not options.adapt:
         return still, model
-    bright, person = colours.total >= DARKEST, on_person > 0
+    bright, person = colours.bright, on_person > 0
     sample, trust = (skin > 60) & (still.motion > 0.25) & person, 0.6
     if found.faceness.max(initial=0.0) > SURE_FACE:
         best = int(np.argmax(found.faceness))
@@ -50,7 +49,7 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
 
 def stirring(colours: Chromaticity, still: Scene) -> np.ndarray:
     """(h, w) uint8, 1 on patches that may be skin and of which much moved: a hand that folds two fingers is no thing of the room."""
-    may_be = (lookup(doubt_table(), colours.index) > 0.2) & (colours.total >= DARKEST)
+    may_be = (lookup(doubt_table(), colours.index) > 0.2) & colours.bright
     labels = cv2.connectedComponents(cv2.blur(may_be.astype(np.uint8) * 255, (3, 3)) // 128, connectivity=4)[1]
     size = np.bincount(labels.ravel())
     moved = np.bincount(labels.ravel(), still.alive.ravel()) / np.maximum(size, 1)

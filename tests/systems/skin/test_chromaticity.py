@@ -5,7 +5,7 @@ import pytest
 
 from vipr.systems.camera.illumination import light_gains
 from vipr.systems.errors import InputError
-from vipr.systems.skin.chromaticity import bin_centres, chromaticity, histogram, lookup
+from vipr.systems.skin.chromaticity import bin_centres, chromaticity, histogram, lookup, quiet
 from vipr.systems.skin.classifier import SkinOptions, classify
 from vipr.systems.skin.colour_model import initial_model
 from vipr.systems.skin.locus import SkinBox, box_table, in_locus
@@ -87,3 +87,20 @@ def test_impossible_boxes_and_options_are_named():
     with pytest.raises(InputError, match="at least 400 px, got 10"):
         SkinOptions(working_area=10)
     assert box_table(SkinBox(), locus=False).sum() > box_table(SkinBox()).sum() * 0.99
+
+
+def test_what_is_bright_enough_in_good_light_still_is_in_dim_light():
+    lit = np.random.default_rng(0).normal((150.0, 160.0, 170.0), 1.5, (120, 160, 3))
+    lit[40:60, 40:60] *= 0.3  # a dark hand
+    for share in (1.0, 0.4, 0.2):
+        image = np.rint(share * lit).astype(np.uint8)
+        assert chromaticity(image).bright.all()
+    image[50, 50] = 2
+    assert not chromaticity(image).bright[50, 50]
+
+
+def test_only_a_dim_picture_is_made_quiet():
+    lit = np.random.default_rng(0).normal(150.0, 4.0, (120, 160, 3))
+    image, dim = np.rint(lit).astype(np.uint8), np.rint(0.3 * lit + 0.7 * (lit - 150.0)).astype(np.uint8)
+    assert quiet(image) is image
+    assert np.std(quiet(dim)) < 0.5 * np.std(dim)
