@@ -130,6 +130,14 @@ def test_the_beginning_of_a_letter_is_not_lost_with_the_film_s(tmp_path):
     assert np.mean(first < 1.5 / RATE) > 0.5
 
 
+def test_a_letter_that_is_not_yet_at_rest_when_its_film_ends_is_whole(tmp_path):
+    (reel,) = film(letters.sittings(1, "stand-in", rounds=1)[:1], tmp_path)
+    ends = reel.bounds[:, 1] + 1
+    cut = {name: [t[:n] for t, n in zip(getattr(reel, name), ends, strict=True)] for name in ("positions", "seen")}
+    last = np.array([t.times[-1] for t in letters.drawings([replace(reel, **cut)]).trajectories])
+    assert np.abs(last - reel.bounds[:, 1] / RATE).max() < 0.2
+
+
 @pytest.mark.parametrize("name", LANGUAGE)
 def test_every_gesture_can_be_made_and_some_point(name):
     rng = np.random.default_rng(2)
