@@ -11,10 +11,12 @@ from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.segmentation import MotionBelief, PauseSettings, advance
 from vipr.systems.gestures.trajectories import Trajectory
+from vipr.systems.gestures.ways import ways
 
 TRAINING = (6, 500, 240)  # people, gestures, non-gestures
 SITTING = 25  # films, at most
 REST = 6  # frames of it that a film begins with, so that movements are cut out of it as out of a stream
+FALSE_REJECTION = 0.005  # by likelihood, which has little to find where idle hands and ways have models of their own
 TEST = (4, 320, 240)  # as in the paper: 320 sequences of four people who were not in training
 
 
@@ -80,15 +82,19 @@ def cut(reels: list[Reel], settings: PauseSettings | None = None) -> Movements:
 
 
 def train_language(reels: list[Reel], seed: int = 0, updates: int = 500, tick=lambda share: None) -> GestureClassifier:
-    """A classifier of the language; every movement of a non-gesture film teaches what to reject."""
+    """A classifier of the language; every movement of a non-gesture film teaches what to reject, and as many ways as there are gestures."""
     movements, labels = cut(reels), np.concatenate([r.labels for r in reels])
     label = labels[movements.film]
-    use = movements.main | (label == GARBAGE)
-    X = [t for t, u in zip(movements.trajectories, use, strict=True) if u]
+    person = np.concatenate([np.repeat(r.person, len(r.labels)) for r in reels])[movements.film]
+    meant = movements.main & (label != GARBAGE)
+    gestures = [t for t, m in zip(movements.trajectories, meant, strict=True) if m]
+    others = [t for t, g in zip(movements.trajectories, label == GARBAGE, strict=True) if g]
+    others += ways(gestures, person[meant], len(gestures), np.random.default_rng([seed, 5]))
     classifier = GestureClassifier(
-        "placed", garbage=GARBAGE, distortion=0.7, backwards=0.0, timed=True, updates=updates, seed=seed
-    )
-    return classifier.fit(X, label[use], tick=tick)
+        "placed", garbage=GARBAGE, false_rejection=FALSE_REJECTION, distortion=0.7, backwards=0.0, timed=True,
+        updates=updates, seed=seed,
+    )  # fmt: skip
+    return classifier.fit(gestures + others, np.r_[label[meant], np.repeat(GARBAGE, len(others))], tick=tick)
 
 
 @dataclass
@@ -99,9 +105,7 @@ class Trial:
     answer: np.ndarray  # (N,) name given to the main movement; "missed" where none was cut
     rejected: np.ndarray  # (N,) bool, of the main movement
     accepted: np.ndarray  # (N,) int: movements of the film that were accepted as gestures
-    margin: (
-        np.ndarray
-    )  # (N,) of the main movement; of non-gestures the largest of all movements that are not called garbage outright
+    margin: np.ndarray  # (N,) of the main movement; of non-gestures the largest of all movements
     delay: np.ndarray  # (N,) s from the end of the gesture to its name; NaN where none was cut and of non-gestures
     angle: np.ndarray  # (N,) rad between the direction given and the one meant; NaN where none
 
@@ -116,8 +120,7 @@ def try_language(classifier: GestureClassifier, reels: list[Reel]) -> Trial:
     accepted, margin = np.zeros(N, int), np.full(N, -np.inf)
     angle, delay = np.full(N, np.nan), np.full(N, np.nan)
     label, _, refused = classifier.recognise(movements.trajectories)
-    best = classifier.classes_[classifier.predict_proba(movements.trajectories).argmax(axis=1)]
-    margins = np.where(best == GARBAGE, -np.inf, classifier.margins(movements.trajectories))
+    margins = classifier.margins(movements.trajectories)
     for m, k in enumerate(movements.film):
         accepted[k] += not refused[m]
         if truth[k] == GARBAGE:

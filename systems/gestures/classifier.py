@@ -2,9 +2,9 @@
 
 Each stream describes a trajectory in its own way, as movement or as the picture it leaves, and has one left-right HMM a gesture, more
 where a gesture is made in clearly different ways. The models are trained by likelihood (segmental, Baum-Welch), then sharpened against
-each other by mutual information; the streams' log posteriors are averaged. Whether something is a gesture at all is asked of the
-likelihood: is it, per point, far below what held-out examples reached beside a garbage model of all gestures together? If times count,
-its duration is asked too.
+each other by mutual information; the streams' log posteriors are averaged. If times count, the duration speaks for or against a gesture
+as well. Whether something is a gesture at all is asked twice: of the posterior, if there were examples of what is none, and of the
+likelihood: is it, per point, far below what held-out examples reached beside a garbage model of all gestures together?
 """
 
 from dataclasses import fields
@@ -30,10 +30,11 @@ STREAMS = {
     "position": (Stream(("position",), sampling="time", scale="box", smoothing=0),),
     "velocity": (Stream(("velocity",), sampling="time", scale="box", smoothing=0),),
     "combined": (Stream(("position", "velocity"), sampling="time", scale="box", smoothing=0),),
-    # Positions that mean something as they are, such as of hands from the face.
+    # Positions that mean something as they are, such as of hands from the face; and the shape, wherever it is made.
     "placed": (
         Stream(("position", "direction"), scale="none"),
         Stream(("position", "velocity"), sampling="time", scale="none"),
+        Stream(("position", "direction")),
     ),
 }
 
@@ -54,7 +55,8 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     priors : "observed" (as in training) or "uniform"
     garbage : label of non-gestures in y, if any; they shape the garbage model and the threshold, and ``predict`` may answer with it
     false_rejection : share of held-out gestures that the threshold may reject
-    timed : times are in seconds, and what takes far less or more time than the gesture did in training is rejected
+    doubt : what is no gesture with this probability is rejected; a wrong answer is worse than none
+    timed : times are in seconds; durations count, and what takes far less or more time than the gesture did in training is rejected
     seed : of everything random
 
     After ``fit``: ``classes_``, ``streams_`` (the models), ``gate_``, ``pace_``, ``skipped_`` (indices left out).
@@ -62,22 +64,23 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
 
     def __init__(
         self, streams="default", states=8, covariance="diag", mixtures=1, allograph_gain=0.3, discriminative=True, distortion=1.0,
-        backwards=0.08, priors="observed", garbage=None, false_rejection=0.01, timed=False, updates=500, seed=0,
+        backwards=0.08, priors="observed", garbage=None, false_rejection=0.01, doubt=0.05, timed=False,
+        updates=500, seed=0,
     ):  # fmt: skip
         self.streams, self.states, self.covariance, self.mixtures = streams, states, covariance, mixtures
         self.allograph_gain, self.discriminative = allograph_gain, discriminative
         self.distortion, self.backwards = distortion, backwards
         self.priors, self.garbage, self.false_rejection = priors, garbage, false_rejection
-        self.timed, self.updates, self.seed = timed, updates, seed
+        self.doubt, self.timed, self.updates, self.seed = doubt, timed, updates, seed
 
     def fit(self, X, y, tick=lambda share: None):
         """Train on trajectories X with labels y. ``tick(share)`` is told what share of the work is done."""
         streams = self._streams()
         options = StreamOptions(**{f.name: getattr(self, f.name) for f in fields(StreamOptions)})
-        if self.priors not in ("observed", "uniform") or not 0 <= self.false_rejection < 1:
+        if self.priors not in ("observed", "uniform") or not 0 <= self.false_rejection < 1 or not 0 < self.doubt <= 1:
             raise InputError(
-                "gesture classifier: priors is observed or uniform and false_rejection from 0 to below 1, got "
-                f"{self.priors!r} and {self.false_rejection}"
+                "gesture classifier: priors is observed or uniform, false_rejection from 0 to below 1 and doubt above 0 to 1, got "
+                f"{self.priors!r}, {self.false_rejection} and {self.doubt}"
             )
         cleaned, kept = self._clean(X)
         y = np.asarray(y)
@@ -124,7 +127,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     def recognise(self, X):
         """Labels (N,), their probabilities (N,) and whether each is rejected (N,): no gesture, whatever the label says."""
         log_posterior, kept, label, margin = self._judge(X)
-        rejected = ~kept | (log_posterior.argmax(axis=1) == self.garbage_) | (margin < self.gate_.threshold)
+        rejected = ~kept | (margin < self.gate_.threshold)
         probability = np.exp(log_posterior[np.arange(len(label)), label])
         probability[~kept] = 0.0
         return self.classes_[label], probability, rejected
@@ -132,7 +135,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     def margins(self, X):
         """(N,) what the gate judges by: log likelihood per point above the garbage model's, of the best gesture.
 
-        -inf if unjudged, or if its duration is none of that gesture.
+        -inf if unjudged, in doubt whether it is a gesture, or if its duration is none of that gesture.
         """
         return self._judge(X)[3]
 
@@ -146,7 +149,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         good = [t for t in cleaned if t is not None]
         views = self._describe(good) if good else {}
         if views:
-            log_posterior[kept] = self._log_posterior(views, prior)
+            log_posterior[kept] = self._log_posterior(views, prior, _seconds(good))
         named = log_posterior.copy()
         if self.garbage_ >= 0 and len(self.classes_) > 1:
             named[:, self.garbage_] = -np.inf
@@ -155,6 +158,9 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
             margin[kept] = self.gate_.margin(views[self._streams()[0]], label[kept])
             if self.timed:
                 margin[kept] = np.where(self.pace_.usual(_seconds(good), label[kept]), margin[kept], -np.inf)
+        if self.garbage_ >= 0:
+            most = np.minimum(np.log(self.doubt), log_posterior.max(axis=1))
+            margin[log_posterior[:, self.garbage_] >= most] = -np.inf
         return log_posterior, kept, label, margin
 
     def _describe(self, good):
@@ -167,8 +173,10 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         points = {key: resample(good, *key) for key in {(s.sampling, s.points) for s in streams}}
         return {s: describe(points[s.sampling, s.points], s) for s in streams}
 
-    def _log_posterior(self, views, prior):
+    def _log_posterior(self, views, prior, seconds):
         total = sum(model.log_posterior(views[model.stream], prior) for model in self.streams_) / len(self.streams_)
+        if self.timed:
+            total += self.pace_.log_density(seconds)
         if self.priors == "uniform":
             total -= prior
         total -= total.max(axis=1, keepdims=True)

@@ -17,7 +17,7 @@ from vipr.systems.gestures.rejection import Gate, Pace
 from vipr.systems.gestures.stream_models import StreamModel
 from vipr.systems.gestures.trajectories import Stream
 
-FORMAT, VERSION = "vipr-gestures", 3
+FORMAT, VERSION = "vipr-gestures", 4
 BANKS = {"likelihood": HmmBank, "sharp": SharpBank}
 
 

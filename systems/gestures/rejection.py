@@ -6,6 +6,7 @@ The models do not know how long a movement took; where time is known, it must be
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtri
 
 from vipr.systems.gestures.hmm import HmmBank, score
 from vipr.systems.gestures.training import HmmSpec, train
@@ -47,6 +48,11 @@ class Pace:
     middle: np.ndarray  # (C,) log s
     spread: np.ndarray  # (C,)
 
+    def log_density(self, seconds: np.ndarray) -> np.ndarray:
+        """(N, C) of the logarithms of durations (N,) under each class, but for a constant."""
+        off = (np.log(seconds)[:, None] - self.middle) / self.spread
+        return -0.5 * off**2 - np.log(self.spread)
+
     def usual(self, seconds: np.ndarray, label: np.ndarray) -> np.ndarray:
         """(N,) bool: whether movements of these durations (N,) may be of the classes ``label`` (N,)."""
         return np.abs(np.log(seconds) - self.middle[label]) <= SPREADS * self.spread[label]
@@ -67,8 +73,9 @@ def fit_gate(
 ) -> Gate:
     """Models of resampled points (N, T, d); the threshold such that ``false_rejection`` of held-out gestures fall below it.
 
-    ``garbage`` is the class of non-gestures, -1 if there is none. A quantile that the held-out examples are too few to show is taken from
-    the spread of their lower half, as if it were normal. With examples of non-gestures, the threshold is lowered as far as they permit.
+    ``garbage`` is the class of non-gestures, -1 if there is none. The quantile is taken from the spread of the held-out margins' lower
+    half, as if it were normal: a few whose hands were mistaken for something else lie far below and would move it at will. With examples
+    of non-gestures, the threshold is lowered as far as they permit.
     """
     fold = _folds(labels, seed)
     margins, foreign = [], []
@@ -84,13 +91,9 @@ def fit_gate(
         own = gate.margin(describe(points[labels != garbage], stream), labels[labels != garbage])
         return Gate(gate.gestures, gate.anything, float(own.min() - np.ptp(own) - 1.0))
     held_out = np.concatenate(margins)
-    threshold = np.quantile(held_out, false_rejection)
-    if len(held_out) * false_rejection < 5:
-        from scipy.stats import norm
-
-        median = np.median(held_out)
-        sigma = (median - np.quantile(held_out, 0.16)) / -norm.ppf(0.16)
-        threshold = median + norm.ppf(false_rejection) * sigma
+    median = np.median(held_out)
+    sigma = (median - np.quantile(held_out, 0.16)) / -ndtri(0.16)
+    threshold = median + ndtri(false_rejection) * sigma
     if sum(map(len, foreign)) >= 10 * LEAST:
         threshold = min(threshold, np.quantile(np.concatenate(foreign), 1.0 - FALSE_ACCEPTANCE))
     return Gate(gate.gestures, gate.anything, float(threshold))

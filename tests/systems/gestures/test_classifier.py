@@ -257,7 +257,7 @@ def test_foreign_files_are_refused_by_what_they_are(model_bytes, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda h, a: h.update(version=99), "is of version 99, this program reads version 3"),
+        (lambda h, a: h.update(version=99), "is of version 99, this program reads version 4"),
         (lambda h, a: h.update(classes=h["classes"][:-1]), "is damaged"),
         (lambda h, a: a.pop("stream0.weights"), "is damaged"),
         (lambda h, a: a.update({"stream0.stay": a["stream0.stay"][:-1]}), "is damaged"),
