@@ -181,6 +181,32 @@ def test_a_gesture_in_a_time_that_is_none_of_its_own_is_rejected_where_times_cou
         assert (classifier.predict(odd) == y).mean() > 0.9
 
 
+def test_the_same_stroke_is_another_gesture_in_another_time_where_times_count():
+    X, _ = drawings(np.random.default_rng(26), each=24)
+    paces = np.where(np.arange(len(X)) % 2, 0.5, 2.0) * np.exp(np.random.default_rng(27).normal(0.0, 0.1, len(X)))
+    timed = [Trajectory(x, p * np.linspace(0.0, 1.0, len(x))) for x, p in zip(X, paces, strict=True)]
+    y = np.where(paces < 1.0, "fast", "slow")
+    assert quick(timed=True).fit(timed, y).score(timed, y) > 0.95
+
+
+def test_what_may_be_no_gesture_is_rejected_with_less_doubt_the_more_is_allowed():
+    rng = np.random.default_rng(28)
+    X, y = drawings(rng)
+    near = [x + 0.25 * np.cumsum(rng.normal(size=x.shape), axis=0) / np.sqrt(len(x)) for x in X]
+    classifier = quick(garbage="none").fit([*X, *near], [*y, *["none"] * len(near)])
+    shares = [classifier.set_params(doubt=d).recognise(X + near)[2].mean() for d in (1e-6, 0.05, 1.0)]
+    assert shares[0] >= shares[1] >= shares[2] and shares[0] > shares[2]
+
+
+def test_a_few_mistaken_examples_do_not_move_the_threshold():
+    rng = np.random.default_rng(29)
+    X, y = drawings(rng, each=30)
+    odd = [rng.normal(size=(40, 2)) for _ in range(8)]
+    clean = quick(updates=5, false_rejection=0.05).fit(X, y)
+    mixed = quick(updates=5, false_rejection=0.05).fit([*X, *odd], [*y, *y[:8]])
+    assert abs(mixed.gate_.threshold - clean.gate_.threshold) < 1.0
+
+
 def test_a_symbol_begun_at_its_other_end_is_known_by_its_picture():
     X, y = drawings(np.random.default_rng(21))
     pictures = quick(streams=(Stream(("rows",)), Stream(("columns",)))).fit(X, y)
