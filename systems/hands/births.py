@@ -22,6 +22,7 @@ from vipr.systems.hands.parts import (
 
 PIECE = 0.2  # of the face, below which a region within a hand's length of a hand is a piece of it
 SOME_MARKS = 0.1  # of a face, without which nothing becomes one only by being on top
+ON_TRIAL = 25  # frames for which a face has been followed, up to which it may have been a hand
 WAIT = 0.5  # s, in which something better than what just looks a little like a face should show
 
 
@@ -165,7 +166,10 @@ def _give_up_still_hands(tracks: dict, free: list[Candidate], face: Track | None
 def look_for_better_face(
     tracks: dict, now: Candidate | None, free: list[Candidate], labels: np.ndarray, u: float
 ) -> dict:
-    """The face moved at once to a region near by that looks far more like one than where the track has ended."""
+    """The face moved at once to a region that looks far more like one than where the track has ended.
+
+    That region is near by; or, as long as the face is on trial (a hand looks like one for a moment), anywhere above it.
+    """
     face = tracks.get("face")
     if face is None or now is None or now.cut or face.shared:
         return tracks
@@ -174,7 +178,10 @@ def look_for_better_face(
         r
         for r in free
         if r.core[2] > 0.5 * face.head_radius
-        and np.hypot(r.centre[0] - face.filter.x, r.centre[1] - face.filter.y) < reach
+        and (
+            np.hypot(r.centre[0] - face.filter.x, r.centre[1] - face.filter.y) < reach
+            or (face.hits < ON_TRIAL and r.centre[1] < face.filter.y)
+        )
     ]
     best = max(near, key=lambda r: r.headlike, default=None)
     if best is None or best.headlike < max(HEAD + 0.05, now.headlike + 0.2):
