@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from drawn_people import FACE, LEFT, RIGHT, waving
 
+from vipr.systems.hands.births import look_for_better_face
 from vipr.systems.hands.blobs import Body, hand_end, head_in, split
 from vipr.systems.hands.candidates import candidates
 from vipr.systems.hands.kalman import start
@@ -164,6 +165,15 @@ def test_the_face_moves_to_where_one_is_found():
     later = [[(50, 80 - k % 4, 6, 0.0), (80, 30, 12, 0.7)] for k in range(25)]
     out = track(first + later)[-1]
     assert np.allclose(out.face, (80, 30), atol=1) and out.right_seen
+
+
+@pytest.mark.parametrize(("hits", "moves"), [(5, True), (40, False)])
+def test_only_a_face_on_trial_gives_way_at_once_to_a_better_one_far_above(hits, moves):
+    seen = regions(0, [(80, 20, 10, 0.7), (140, 90, 8, 0.2)])
+    better, hand = candidates(seen, {})
+    face = Track(start(140.0, 90.0, 0.8, 20.0), 200.0, hits=hits, headlike=0.6)
+    tracks = look_for_better_face({"face": face}, hand, [better], seen.labels, 1.0)
+    assert (tracks["face"].filter.x < 90.0) == moves
 
 
 def test_names_on_the_wrong_sides_are_exchanged_after_a_while():
