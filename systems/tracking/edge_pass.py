@@ -18,6 +18,7 @@ from vipr.systems.tracking.visible_edges import visible_nodes
 CLEAR = 12.0  # grey levels; much stronger edges are all alike
 NEARBY = 12.0  # px
 SHARP_REACH = 3.0  # px
+FLOOR, SHARP_FLOOR = 0.2, 0.05  # px, least noise that is believed of a node's edge, found by the wide and by the sharp derivative
 FOLLOWED = 4.0  # significance from which a texture alignment is followed
 
 
@@ -47,7 +48,8 @@ def edge_pass(
         matches, certain = told_apart(matches, nodes, len(sight.model.edges))
         shown = shown * certain
     likely = preferences(matches.strength, matches.wide)
-    common = {"edge": nodes.edge, "model_error": settings.model_error, "node_weight": shown}
+    floor = SHARP_FLOOR if sharp and settings.sharp else FLOOR
+    common = {"edge": nodes.edge, "model_error": settings.model_error, "node_weight": shown, "noise_floor": floor}
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
         free = fit_pose(J, matches, likely, widths, alone, anneal=False, **common).spread

@@ -55,7 +55,7 @@ class TrackerSettings:
     rivals: bool = True  # other poses near the one found that fit more closely
     start_search: bool = True  # look around a pose that was given, which may be tens of pixels off
     initial_px: float = 1.0  # px, how well a given pose places the model's corners if it is good
-    model_error: float = 0.05  # px, least error of an edge of the model, common to its nodes
+    model_error: float = 0.02  # px, least error of an edge of the model, common to its nodes
     spin_noise: float = 30.0  # rad/s^2, RMS angular acceleration expected
     speed_noise: float = 4.0  # m/s^2, RMS acceleration expected
 

@@ -1,7 +1,7 @@
 """Normal flow: displacement of edge nodes along their normals (paper III-B, eq. 25), several hypotheses a node.
 
 All profiles of a frame are sampled in one call. A peak's place is found to a fraction of a pixel by a parabola through the gradient's
-magnitude. The paper quantises normals to 0, 45, 90 and 135 degrees; ``quantise`` offers that for comparison.
+magnitude; near the pose, by the centroid of the gradient about the sharp peak. The paper quantises normals to 0, 45, 90 and 135 degrees; ``quantise`` offers that for comparison.
 """
 
 from dataclasses import dataclass
@@ -14,6 +14,8 @@ from vipr.systems.compiled import compiled
 from vipr.systems.tracking.visible_edges import Nodes
 
 SHARP = 0.7  # px, width of the derivative in the last pass: neighbouring print hardly moves its peaks
+WINDOW = 1.5  # px on either side, of the gradient whose centroid is taken
+MOST = 0.5  # px, as far as a centroid may be from its peak
 CLEAR_OF_NOISE = 6.0  # standard deviations of the sharp derivative's noise
 
 
@@ -159,12 +161,14 @@ def find_edges(
         columns = K * (1 + (sharp_reach > 0))
         return Matches(np.zeros((0, columns)), np.zeros((0, columns)), reach, K)
     raw = sample_profiles(patch, nodes.pixel, normal, reach + margin * step, step, across)
-    offset, strength = _peaks(raw, kernel, margin, step, contrast, K, quantise)
+    offset, strength, _ = _peaks(raw, kernel, margin, step, contrast, K, quantise)
     if sharp_reach > 0:
         sharp_reach = min(sharp_reach, reach)
         skip = margin + round((reach - sharp_reach) / step)
         floor = max(contrast, CLEAR_OF_NOISE * 0.6 * patch.noise)
         sharp = _peaks(raw, _derivative_kernel(SHARP, step), skip, step, floor, K, quantise)
+        if not quantise:
+            _to_centroids(raw, *sharp, step)
         offset, strength = np.concatenate([offset, sharp[0]], 1), np.concatenate([strength, sharp[1]], 1)
     if quantise:  # a step along a rounded normal is longer or shorter along the true one
         offset = offset * (normal * nodes.normal).sum(1)[:, None]
@@ -173,11 +177,14 @@ def find_edges(
 
 @compiled
 def _peaks(profiles, kernel, margin, step, contrast, count, whole):
-    """Places (N, count) [px] and signed strengths of the strongest gradients of profiles (N, C, L), margin samples left out at each end."""
+    """Places (N, count) [px], signed strengths and channels of the strongest gradients of profiles (N, C, L), margin samples left out at
+    each end.
+    """
     N, C, L = profiles.shape
     half, length = len(kernel) // 2, L - 2 * margin + 2
-    offset, strength = np.zeros((N, count)), np.zeros((N, count))
+    offset, strength, channel = np.zeros((N, count)), np.zeros((N, count)), np.zeros((N, count), np.int64)
     one, response, magnitude = np.empty(length, np.float32), np.empty(length, np.float32), np.empty(length, np.float32)
+    strongest = np.zeros(length, np.int64)
     for n in range(N):
         for c in range(C):
             line = profiles[n, c]
@@ -188,7 +195,7 @@ def _peaks(profiles, kernel, margin, step, contrast, count, whole):
                     one[j] += k * (line[margin - 1 + j + t] - line[margin - 1 + j - t])
             for j in range(length):
                 if c == 0 or abs(one[j]) > magnitude[j]:  # the strongest channel
-                    response[j], magnitude[j] = one[j], abs(one[j])
+                    response[j], magnitude[j], strongest[j] = one[j], abs(one[j]), c
         for j in range(1, length - 1):
             left, mid, right = magnitude[j - 1], magnitude[j], magnitude[j + 1]
             if not (mid >= left and mid > right and mid > contrast):
@@ -198,12 +205,47 @@ def _peaks(profiles, kernel, margin, step, contrast, count, whole):
                 continue
             while k > 0 and mid > abs(strength[n, k - 1]):
                 strength[n, k], offset[n, k] = strength[n, k - 1], offset[n, k - 1]
+                channel[n, k] = channel[n, k - 1]
                 k -= 1
             shift = 0.0
             if not whole:
                 shift = min(max(0.5 * (left - right) / min(left - 2.0 * mid + right, -1e-6), -1.0), 1.0)
             strength[n, k], offset[n, k] = response[j], (j + shift - 0.5 * (length - 1)) * step
-    return offset, strength
+            channel[n, k] = strongest[j]
+    return offset, strength, channel
+
+
+@compiled
+def _to_centroids(profiles, offset, strength, channel, step):
+    """Moves the places of edges (N, K) from the peaks of the sharp derivative to the centroids of the gradient about them.
+
+    The pixels are means over areas, so that a step between two of them spreads over a pixel, unevenly: the peak of its derivative is off
+    by up to 0.1 px, one way or the other with the place of the edge within the pixel. For an edge that crosses few rows or columns that
+    does not average out. The centroid of the gradient of what lies between the pixels (bilinear) is exact: what a pixel shares with its
+    neighbours on either side of the edge, they share in proportion. The window holds all of a sharp step and little of what is beside it.
+    """
+    N, C, L = profiles.shape
+    middle = 0.5 * (L - 1)
+    for n in range(N):
+        for k in range(offset.shape[1]):
+            if strength[n, k] == 0.0:
+                continue
+            line, peak = profiles[n, channel[n, k]], offset[n, k]
+            centre = peak
+            for _ in range(2):
+                first = max(int(np.ceil((centre - WINDOW) / step + middle - 1.0)), 0)
+                last = min(int((centre + WINDOW) / step + middle), L - 2)
+                total, moment = 0.0, 0.0
+                for j in range(first, last + 1):
+                    place = (j + 0.5 - middle) * step
+                    share = min(max((WINDOW + 0.5 * step - abs(place - centre)) / step, 0.0), 1.0)
+                    gradient = share * (line[j + 1] - line[j])
+                    total += gradient
+                    moment += gradient * (place - peak)
+                if total * strength[n, k] <= 0.0:
+                    break
+                centre = peak + min(max(moment / total, -MOST), MOST)
+            offset[n, k] = centre
 
 
 def quantised(normal: np.ndarray) -> np.ndarray:

@@ -169,14 +169,13 @@ def _refine(
         sigma = width
         if found:
             sigma = min(max(1.4826 * kth_smallest(near[:found], found // 2), noise_floor), width)
-        held, sums, total = np.zeros(edges), np.zeros(edges), 0.0
+        held, sums = np.zeros(edges), np.zeros(edges)
         for n in range(N):
             t = residual[n] / (4.685 * sigma)
             weight[n] = node_weight[n] * (1.0 - t * t) ** 2 if abs(t) < 1.0 else 0.0  # Tukey
             if weight[n] > 0.0:
                 held[edge[n]] += weight[n]
                 sums[edge[n]] += weight[n] * residual[n]
-                total += weight[n]
         common = 0.0
         if by_edge:
             own = spread
@@ -184,10 +183,9 @@ def _refine(
                 square, count = 0.0, 0
                 for e in range(edges):
                     if held[e] > 0.3 * members[e]:
-                        square += (sums[e] / held[e]) ** 2
+                        square += (sums[e] / held[e]) ** 2 - sigma**2 / held[e]  # noise makes some of it
                         count += 1
-                # The pose has taken up some of it, and noise makes some.
-                own = max(square / max(count - 4, 1) - sigma**2 * count / max(total, 1.0), 0.0)
+                own = max(square / max(count - 4, 1), 0.0)  # the pose has taken up some of it
             common = max(doubt * own, model_error**2) / sigma**2
         H, g = np.zeros((6, 6)), pull.copy()
         for n in range(N):
