@@ -7,7 +7,7 @@ from vipr.systems.tracking.affine import fit_affine, move_points
 from vipr.systems.tracking.diagnosis import weigh
 from vipr.systems.tracking.displacements import difference, move, normal_jacobian
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
-from vipr.systems.tracking.normal_flow import find_edges
+from vipr.systems.tracking.normal_flow import find_edges, noise_px
 from vipr.systems.tracking.parallel_edges import told_apart
 from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose
 from vipr.systems.tracking.sight import Sight
@@ -18,7 +18,6 @@ from vipr.systems.tracking.visible_edges import visible_nodes
 CLEAR = 12.0  # grey levels; much stronger edges are all alike
 NEARBY = 12.0  # px
 SHARP_REACH = 3.0  # px
-FLOOR, SHARP_FLOOR = 0.2, 0.05  # px, least noise that is believed of a node's edge, found by the wide and by the sharp derivative
 FOLLOWED = 4.0  # significance from which a texture alignment is followed
 
 
@@ -48,8 +47,8 @@ def edge_pass(
         matches, certain = told_apart(matches, nodes, len(sight.model.edges))
         shown = shown * certain
     likely = preferences(matches.strength, matches.wide)
-    floor = SHARP_FLOOR if sharp and settings.sharp else FLOOR
-    common = {"edge": nodes.edge, "model_error": settings.model_error, "node_weight": shown, "noise_floor": floor}
+    noise = noise_px(matches.strength, matches.wide, sight.patch.noise)
+    common = {"edge": nodes.edge, "noise": noise, "model_error": settings.model_error, "node_weight": shown}
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
         free = fit_pose(J, matches, likely, widths, alone, anneal=False, **common).spread

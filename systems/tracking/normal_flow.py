@@ -16,6 +16,8 @@ from vipr.systems.tracking.visible_edges import Nodes
 SHARP = 0.7  # px, width of the derivative in the last pass: neighbouring print hardly moves its peaks
 WINDOW = 1.5  # px on either side, of the gradient whose centroid is taken
 MOST = 0.5  # px, as far as a centroid may be from its peak
+LEAST_PX, LEAST_SHARP_PX = 0.2, 0.03  # px, noise of a place found by the wide derivative, and by the sharp one with the centroid
+PER_NOISE = 0.8  # px of the latter for pixel noise as strong as the edge
 CLEAR_OF_NOISE = 6.0  # standard deviations of the sharp derivative's noise
 
 
@@ -246,6 +248,14 @@ def _to_centroids(profiles, offset, strength, channel, step):
                     break
                 centre = peak + min(max(moment / total, -MOST), MOST)
             offset[n, k] = centre
+
+
+def noise_px(strength: np.ndarray, wide: int, noise: float) -> np.ndarray:
+    """(N, K) px, noise of the places of edges of these strengths (N, K) at a pixel noise [grey levels]; those from column wide on are sharp."""
+    px = np.full(strength.shape, LEAST_PX)
+    weak = PER_NOISE * noise / np.maximum(np.abs(strength[:, wide:]), 1e-3)
+    px[:, wide:] = np.minimum(np.hypot(LEAST_SHARP_PX, weak), LEAST_PX)
+    return px
 
 
 def quantised(normal: np.ndarray) -> np.ndarray:

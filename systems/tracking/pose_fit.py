@@ -20,7 +20,7 @@ class Fit:
     """A pose displacement and how well the nodes agree with it."""
 
     d: np.ndarray  # (6,) (w, v)
-    information: np.ndarray  # (6, 6) of d, for the noise in `sigma`
+    information: np.ndarray  # (6, 6) of d
     residual: np.ndarray  # (N,) px to the chosen hypothesis; nan where there is none
     chosen: np.ndarray  # (N,) index of the hypothesis
     weight: np.ndarray  # (N,) 0 to 1
@@ -43,7 +43,7 @@ def fit_pose(
     widths: tuple[float, ...],
     prior: Prior | None = None,
     edge: np.ndarray | None = None,
-    noise_floor: float = 0.2,
+    noise: np.ndarray | float = 0.2,
     model_error: float = 0.1,
     doubt: float = 1.0,
     node_weight: np.ndarray | float = 1.0,
@@ -56,6 +56,7 @@ def fit_pose(
     each pass hypotheses share a node's pull in proportion to preference and to a Gaussian of that width about the prediction; passes go
     from wide to narrow. The last ones end with Tukey's weights about the nearest hypothesis.
 
+    noise (N, K) [px]: least noise of each hypothesis' place; if the residuals speak of more, all count as so many times noisier.
     edge (N,): which edge each node is on. What the nodes of one edge have in common (a model that is a little wrong, a shadow
     beside the edge) does not average out over them: the residuals' spread between edges, at least model_error [px], is counted once
     an edge, in the weights and in the information; `doubt` multiplies the spread, and `spread` [px^2]
@@ -71,11 +72,12 @@ def fit_pose(
     own_weight = node_weight * np.ones(N)
     start = np.zeros(6)
     if anneal:
-        start = _anneal(J, matches.offset, preference, own_weight, base, pull, np.array(widths), noise_floor)
+        start = _anneal(J, matches.offset, preference, own_weight, base, pull, np.array(widths))
     d, H, residual, chosen, weight, sigma, own = _refine(
         J,
         matches.offset,
         preference,
+        noise * np.ones(preference.shape),
         own_weight,
         base,
         pull,
@@ -83,7 +85,6 @@ def fit_pose(
         widths[-1],
         np.arange(N) if edge is None else edge,
         edge is not None,
-        noise_floor,
         model_error,
         doubt,
         -1.0 if spread is None else spread,
@@ -102,7 +103,7 @@ def add_row(H, g, row, weight, target):
 
 
 @compiled
-def _anneal(J, offset, preference, node_weight, base, pull, widths, noise_floor):
+def _anneal(J, offset, preference, node_weight, base, pull, widths):
     """Displacement (6,) after one pass of each width in which the hypotheses of a node share its pull."""
     d = np.zeros(6)
     for width in widths:
@@ -116,7 +117,7 @@ def _anneal(J, offset, preference, node_weight, base, pull, widths, noise_floor)
                     total += share
                     mean += share * offset[n, k]
             if total > 1e-12:  # a node with nothing near its prediction says nothing
-                weight = node_weight[n] * total / ((total + 0.1) * max(width, noise_floor) ** 2)
+                weight = node_weight[n] * total / ((total + 0.1) * width**2)
                 add_row(H, g, J[n], weight, mean / total)
         mirror(H)
         d = solve(H + base, g)
@@ -128,6 +129,7 @@ def _refine(
     J,
     offset,
     preference,
+    noise,
     node_weight,
     base,
     pull,
@@ -135,7 +137,6 @@ def _refine(
     width,
     edge,
     by_edge,
-    noise_floor,
     model_error,
     doubt,
     spread,
@@ -146,7 +147,7 @@ def _refine(
     """
     N, d = len(J), start
     chosen, weight = np.zeros(N, np.int64), np.zeros(N)
-    residual, near = np.empty(N), np.empty(N)
+    residual, near, near_px, own_noise = np.empty(N), np.empty(N), np.empty(N), np.empty(N)
     edges = edge.max() + 1
     members = np.zeros(edges)
     for n in range(N):
@@ -163,19 +164,24 @@ def _refine(
                     cost = abs(r) + 2.0 * width * (1.0 - preference[n, k])
                     if cost < least:
                         least, residual[n], chosen[n] = cost, r, k
+            own_noise[n] = noise[n, chosen[n]]
             if abs(residual[n]) < 4.0 * width:
-                near[found] = abs(residual[n])
+                near_px[found] = abs(residual[n])
+                near[found] = near_px[found] / own_noise[n]
                 found += 1
-        sigma = width
+        sigma, times = width, np.inf
         if found:
-            sigma = min(max(1.4826 * kth_smallest(near[:found], found // 2), noise_floor), width)
-        held, sums = np.zeros(edges), np.zeros(edges)
+            sigma = min(1.4826 * kth_smallest(near_px[:found], found // 2), width)
+            times = max(1.4826 * kth_smallest(near[:found], found // 2), 1.0)
+        held, worth, sums = np.zeros(edges), np.zeros(edges), np.zeros(edges)
         for n in range(N):
-            t = residual[n] / (4.685 * sigma)
+            own_noise[n] = min(times * own_noise[n], width)
+            t = residual[n] / (4.685 * own_noise[n])
             weight[n] = node_weight[n] * (1.0 - t * t) ** 2 if abs(t) < 1.0 else 0.0  # Tukey
             if weight[n] > 0.0:
                 held[edge[n]] += weight[n]
-                sums[edge[n]] += weight[n] * residual[n]
+                worth[edge[n]] += weight[n] / own_noise[n] ** 2
+                sums[edge[n]] += weight[n] / own_noise[n] ** 2 * residual[n]
         common = 0.0
         if by_edge:
             own = spread
@@ -183,14 +189,14 @@ def _refine(
                 square, count = 0.0, 0
                 for e in range(edges):
                     if held[e] > 0.3 * members[e]:
-                        square += (sums[e] / held[e]) ** 2 - sigma**2 / held[e]  # noise makes some of it
+                        square += (sums[e] / worth[e]) ** 2 - 1.0 / worth[e]  # noise makes some of it
                         count += 1
                 own = max(square / max(count - 4, 1), 0.0)  # the pose has taken up some of it
-            common = max(doubt * own, model_error**2) / sigma**2
+            common = max(doubt * own, model_error**2)
         H, g = np.zeros((6, 6)), pull.copy()
         for n in range(N):
             if weight[n] > 0.0:
-                pulled = weight[n] / ((1.0 + held[edge[n]] * common) * sigma**2)
+                pulled = weight[n] / (own_noise[n] ** 2 * (1.0 + worth[edge[n]] * common))
                 add_row(H, g, J[n], pulled, offset[n, chosen[n]])
         mirror(H)
         d = solve(H + base, g)
