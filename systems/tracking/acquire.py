@@ -10,7 +10,7 @@ from vipr.systems.tracking.displacements import corner_information, difference
 from vipr.systems.tracking.edge_pass import about, edge_pass
 from vipr.systems.tracking.keyframes import choose_keyframe
 from vipr.systems.tracking.pose_fit import Prior
-from vipr.systems.tracking.rivals import closest
+from vipr.systems.tracking.rivals import closest, nudged
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.small_algebra import invert
@@ -43,7 +43,7 @@ def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
     believed = best.evidence.score > GIVEN_IS_GOOD and (agreement > 0.5 or best.evidence.edges > 0.8)
     if not believed and sight.settings.start_search:
         best = _acquire_far(sight, X_CO_given, best, agreement)
-    X = closest(sight, best.X_CO) if sight.settings.rivals else best.X_CO
+    X = nudged(sight, closest(sight, best.X_CO)) if sight.settings.rivals else best.X_CO
     off, aim, agreement = _agreement(sight, X, X_CO_given)
     prior = Prior(off, agreement * aim)
     alone = about(sight, X, X, None)

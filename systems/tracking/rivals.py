@@ -9,12 +9,12 @@ import numpy as np
 
 from vipr.systems.compiled import compiled
 from vipr.systems.tracking.diagnosis import weigh
-from vipr.systems.tracking.displacements import difference, move, normal_jacobian
+from vipr.systems.tracking.displacements import corner_information, difference, move, normal_jacobian
 from vipr.systems.tracking.edge_pass import about, edge_pass, look
 from vipr.systems.tracking.normal_flow import Matches
 from vipr.systems.tracking.pose_fit import Fit, add_row
 from vipr.systems.tracking.sight import Sight
-from vipr.systems.tracking.small_algebra import dot6, mirror, solve
+from vipr.systems.tracking.small_algebra import dot6, invert, mirror, solve
 from vipr.systems.tracking.visible_edges import visible_nodes
 
 REACH = 10.0  # px, how far from its node an edge may be
@@ -30,6 +30,8 @@ APART = 0.5  # px RMS of the nodes between rivals
 KEPT = 8  # rivals
 ROUNDS = 3  # at most; each starts from the best of the one before
 BETTER = 0.03  # of merit: a pose that is clearly to be preferred
+EXACT = 0.1  # px: residuals of edges that lie where they seem to, and not of a line of print beside them
+NUDGE_PX = 0.7  # RMS of the corners: how far nudges are
 UNEXPECTED = 0.015  # of merit, lost for each unit of the squared Mahalanobis distance from what was expected
 
 
@@ -58,9 +60,26 @@ def closest(sight: Sight, X_CO: np.ndarray) -> np.ndarray:
     return best
 
 
+def nudged(sight: Sight, X_CO: np.ndarray) -> np.ndarray:
+    """The pose, or one a fraction of a pixel away along the directions that the image shows least of, if its edges fit clearly closer.
+
+    Where print runs along an edge within a pixel, nearest edges lead no farther than to the nearest of several poses.
+    """
+    settled = [settle_on(sight, X_CO)]
+    fit = settled[0][1]
+    shape = corner_information(sight.model, X_CO, sight.lens, np.sqrt(len(sight.model.corners)))
+    L = np.linalg.cholesky(shape + 1e-9 * np.diag(shape.diagonal()))
+    weakest = np.linalg.solve(L.T, np.linalg.eigh(L.T @ invert(fit.information) @ L)[1][:, -3:])
+    settled += [settle_on(sight, move(X_CO, NUDGE_PX * way)) for way in (*weakest.T, *-weakest.T)]
+    merits = [_merit(sight, *one) for one in settled]
+    best = int(np.argmax(merits))
+    return settled[best][0] if merits[best] > merits[0] + BETTER else X_CO
+
+
 def _merit(sight: Sight, X_CO: np.ndarray, fit: Fit, matches: Matches) -> float:
     off = difference(sight.X_CO_ahead, X_CO)
-    return weigh(matches, fit).closeness - UNEXPECTED * float(off @ sight.information @ off)
+    exact = float(np.nan_to_num(np.exp(-0.5 * (fit.residual / EXACT) ** 2)).mean()) if len(fit.residual) else 0.0
+    return 0.5 * (weigh(matches, fit).closeness + exact) - UNEXPECTED * float(off @ sight.information @ off)
 
 
 def rivals(sight: Sight, X_CO: np.ndarray) -> list[np.ndarray]:
