@@ -67,19 +67,25 @@ def nudged(sight: Sight, X_CO: np.ndarray) -> np.ndarray:
     """
     settled = [settle_on(sight, X_CO)]
     fit = settled[0][1]
+    if not fit.weight.any():
+        return X_CO
     shape = corner_information(sight.model, X_CO, sight.lens, np.sqrt(len(sight.model.corners)))
     L = np.linalg.cholesky(shape + 1e-9 * np.diag(shape.diagonal()))
     weakest = np.linalg.solve(L.T, np.linalg.eigh(L.T @ invert(fit.information) @ L)[1][:, -3:])
     settled += [settle_on(sight, move(X_CO, NUDGE_PX * way)) for way in (*weakest.T, *-weakest.T)]
-    merits = [_merit(sight, *one) for one in settled]
+    merits = [0.5 * (_merit(sight, *one) + _exactness(one[1])) for one in settled]
     best = int(np.argmax(merits))
     return settled[best][0] if merits[best] > merits[0] + BETTER else X_CO
 
 
+def _exactness(fit: Fit) -> float:
+    """Closeness to a tenth of a pixel. Far from the pose, few edges may be so close and the others missing: it compares neighbours only."""
+    return float(np.nan_to_num(np.exp(-0.5 * (fit.residual / EXACT) ** 2)).mean())
+
+
 def _merit(sight: Sight, X_CO: np.ndarray, fit: Fit, matches: Matches) -> float:
     off = difference(sight.X_CO_ahead, X_CO)
-    exact = float(np.nan_to_num(np.exp(-0.5 * (fit.residual / EXACT) ** 2)).mean()) if len(fit.residual) else 0.0
-    return 0.5 * (weigh(matches, fit).closeness + exact) - UNEXPECTED * float(off @ sight.information @ off)
+    return weigh(matches, fit).closeness - UNEXPECTED * float(off @ sight.information @ off)
 
 
 def rivals(sight: Sight, X_CO: np.ndarray) -> list[np.ndarray]:
