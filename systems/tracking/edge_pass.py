@@ -7,6 +7,7 @@ from vipr.systems.tracking.affine import fit_affine, move_points
 from vipr.systems.tracking.diagnosis import weigh
 from vipr.systems.tracking.displacements import difference, move, normal_jacobian
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
+from vipr.systems.tracking.limbs import at_limbs
 from vipr.systems.tracking.normal_flow import find_edges, noise_px
 from vipr.systems.tracking.parallel_edges import told_apart
 from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose
@@ -43,11 +44,12 @@ def edge_pass(
     matches = look(sight, nodes, reach, SHARP_REACH if sharp and settings.sharp else 0.0)
     J = normal_jacobian(nodes, X_CO, sight.lens)
     shown = uncovered(nodes.pixel, texture)
+    noise = noise_px(matches.strength, matches.wide, sight.patch.noise)
     if sharp and settings.sharp:
         matches, certain = told_apart(matches, nodes, len(sight.model.edges))
-        shown = shown * certain
+        matches, noise, placed = at_limbs(matches, noise, sight.patch, nodes, sight.model)
+        shown = shown * certain * placed
     likely = preferences(matches.strength, matches.wide)
-    noise = noise_px(matches.strength, matches.wide, sight.patch.noise)
     common = {"edge": nodes.edge, "noise": noise, "model_error": settings.model_error, "node_weight": shown}
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
