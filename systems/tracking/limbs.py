@@ -20,10 +20,18 @@ CLEAR, INSIDE, OUTSIDE = 1.0, 5.0, 2.5  # px from the limb: what is fitted lies 
 ACROSS = 1.25  # px on either side, over which brightness is summed
 FARTHEST = 2.2  # px from its node
 STEP, LINES = 0.5, 3  # px between samples; parallel lines whose mean is taken
-ITERATIONS, MOST_PX, STILL_PX = 8, 0.4, 0.05  # of the place, and px of one of them at most, and where it has come to rest
+ITERATIONS, MOST_PX, STILL_PX = (
+    8,
+    0.4,
+    0.05,
+)  # of the place, and px of one of them at most, and where it has come to rest
 FAINTEST = 4.0  # times the noise of what is fitted: a smaller step at the limb says nothing of its place
-PER_NOISE = 2.3  # px of a place's noise for noise as strong as the step: that of the sum, and of a and c carried on to the limb
+PER_NOISE = (
+    2.3  # px of a place's noise for noise as strong as the step: that of the sum, and of a and c carried on to the limb
+)
 LEAST_PX, MOST_NOISE_PX = 0.05, 1.0
+LEAST_GREY = 0.4  # grey levels of noise: no less is believed
+PLAIN, SLACK = 2.0, 0.05  # times the noise, and share of the step: what is left over of print or clutter is more
 UNSURE = 0.1  # weight of a node whose limb cannot be placed so
 
 
@@ -31,7 +39,7 @@ def at_limbs(
     matches: Matches, noise: np.ndarray, patch: Patch, nodes: Nodes, model: CadModel
 ) -> tuple[Matches, np.ndarray, np.ndarray | float]:
     """The matches with one sharp edge for each node on a limb before a background, where the limb is; their noise (N, K) [px]; and the
-    weight (N,) of each node, 1 or `UNSURE`.
+    weight (N,) of each node, 1 or `UNSURE`. Nodes beside print or before clutter keep the edges that they have.
     """
     first = len(model.edges)
     limb = (nodes.edge >= first) & (nodes.edge < first + 2 * len(model.cylinders)) & (nodes.inside.sum(1) == 1)
@@ -46,7 +54,9 @@ def at_limbs(
     profiles = sample_profiles(
         patch, nodes.pixel[limb], nodes.normal[limb] * inward[:, None], FARTHEST + INSIDE + STEP, STEP, LINES
     )
-    place, step, px = _place(profiles, nearest * inward, patch.noise / np.sqrt(LINES))
+    grey_noise = max(patch.noise / np.sqrt(LINES), LEAST_GREY)
+    place, step, px, plain = _place(profiles, nearest * inward, grey_noise)
+    limb, inward, place, step, px = limb[plain], inward[plain], place[plain], step[plain], px[plain]
     offset, strength, noise, weight = matches.offset.copy(), matches.strength.copy(), noise.copy(), np.ones(len(nodes))
     strength[limb, sharp] = 0.0
     offset[limb, matches.wide], strength[limb, matches.wide] = place * inward, step * inward
@@ -57,11 +67,12 @@ def at_limbs(
 
 @compiled
 def _place(profiles, start, grey_noise):
-    """Places (N,) [px] of limbs along profiles (N, C, L) from the background to the body, the steps there (N,) and the noise (N,) [px] of
-    the places; step 0 where there is none near the start (N,). Of several channels, that of the least noise.
+    """Places (N,) [px] of limbs along profiles (N, C, L) from the background to the body, the steps there (N,), the noise (N,) [px] of the
+    places, and whether each profile is plain (N,): shading and background alone. Step 0 where there is none near the start (N,). Of several
+    channels, that of the least noise.
     """
     N, C, L = profiles.shape
-    place, jump, noise = np.zeros(N), np.zeros(N), np.full(N, MOST_NOISE_PX)
+    place, jump, noise, plain = np.zeros(N), np.zeros(N), np.full(N, MOST_NOISE_PX), np.ones(N, np.bool_)
     middle = 0.5 * (L - 1)
     for n in range(N):
         for c in range(C):
@@ -89,7 +100,7 @@ def _place(profiles, start, grey_noise):
                 step = level - background
                 square = spp - level * sp - slope * sqp + out_square - background * out
                 misfit = np.sqrt(max(square, 0.0) / (count + outer - 3.0))
-                if abs(step) < FAINTEST * max(misfit, grey_noise):
+                if abs(step) < FAINTEST * grey_noise:
                     step = 0.0
                     break
                 expected = (level + background) * ACROSS + slope * ACROSS**1.5 / 1.5
@@ -98,12 +109,13 @@ def _place(profiles, start, grey_noise):
                 e += min(max(off, -MOST_PX), MOST_PX)
                 if abs(e) > FARTHEST or moved < 0.2 * STILL_PX:
                     break
+            plain[n] &= misfit < PLAIN * grey_noise + SLACK * abs(step)
             if step == 0.0 or abs(e) > FARTHEST or moved > STILL_PX:
                 continue
             own = min(np.hypot(LEAST_PX, PER_NOISE * max(misfit, grey_noise) / abs(step)), MOST_NOISE_PX)
             if jump[n] == 0.0 or own < noise[n]:
                 place[n], jump[n], noise[n] = e, step, own
-    return place, jump, noise
+    return place, jump, noise, plain
 
 
 @compiled

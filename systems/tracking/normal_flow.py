@@ -16,7 +16,10 @@ from vipr.systems.tracking.visible_edges import Nodes
 SHARP = 0.7  # px, width of the derivative in the last pass: neighbouring print hardly moves its peaks
 WINDOW = 1.25  # px on either side, of the gradient whose centroid is taken
 MOST = 0.5  # px, as far as a centroid may be from its peak
-LEAST_PX, LEAST_SHARP_PX = 0.2, 0.03  # px, noise of a place found by the wide derivative, and by the sharp one with the centroid
+LEAST_PX, LEAST_SHARP_PX = (
+    0.2,
+    0.03,
+)  # px, noise of a place found by the wide derivative, and by the sharp one with the centroid
 PER_NOISE = 0.8  # px of the latter for pixel noise as strong as the edge
 CLEAR_OF_NOISE = 6.0  # standard deviations of the sharp derivative's noise
 

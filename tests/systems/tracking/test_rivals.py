@@ -22,7 +22,7 @@ RADIUS, HEIGHT = 0.03, 0.08  # m
 CAN = build_model(Shape("can", cylinders=((np.zeros(3), np.array([0.0, 0.0, HEIGHT]), RADIUS),)))
 X_CO = se3.pose(se3.exp_so3(np.array([0.5 * np.pi + 0.4, 0.0, 0.0])), np.array([0.01, 0.04, 0.55]))
 BANDS = ((0.006, 0.014), (0.067, 0.074))  # m, from and to, in height
-FINER = 4
+FINER = 8
 
 
 def picture(spots: np.random.Generator | None = None) -> np.ndarray:
