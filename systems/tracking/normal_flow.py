@@ -1,7 +1,8 @@
 """Normal flow: displacement of edge nodes along their normals (paper III-B, eq. 25), several hypotheses a node.
 
 All profiles of a frame are sampled in one call. A peak's place is found to a fraction of a pixel by a parabola through the gradient's
-magnitude; near the pose, by the centroid of the gradient about the sharp peak. The paper quantises normals to 0, 45, 90 and 135 degrees; ``quantise`` offers that for comparison.
+magnitude; near the pose, by the centroid of the gradient about the sharp peak. The paper quantises normals to 0, 45, 90 and 135 degrees;
+``quantise`` offers that for comparison.
 """
 
 from dataclasses import dataclass
@@ -229,9 +230,9 @@ def _to_centroids(profiles, offset, strength, channel, step):
     does not average out. The centroid of the gradient of what lies between the pixels (bilinear) is exact: what a pixel shares with its
     neighbours on either side of the edge, they share in proportion. The window holds all of a sharp step and little of what is beside it.
     """
-    N, C, L = profiles.shape
+    L = profiles.shape[2]
     middle = 0.5 * (L - 1)
-    for n in range(N):
+    for n in range(len(profiles)):
         for k in range(offset.shape[1]):
             if strength[n, k] == 0.0:
                 continue
@@ -254,7 +255,7 @@ def _to_centroids(profiles, offset, strength, channel, step):
 
 
 def noise_px(strength: np.ndarray, wide: int, noise: float) -> np.ndarray:
-    """(N, K) px, noise of the places of edges of these strengths (N, K) at a pixel noise [grey levels]; those from column wide on are sharp."""
+    """(N, K) px, noise of the places of edges of these strengths (N, K) at a pixel noise [grey levels]; sharp ones from column wide on."""
     px = np.full(strength.shape, LEAST_PX)
     weak = PER_NOISE * noise / np.maximum(np.abs(strength[:, wide:]), 1e-3)
     px[:, wide:] = np.minimum(np.hypot(LEAST_SHARP_PX, weak), LEAST_PX)
