@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vipr.systems.hands.parts import PARTS
 from vipr.systems.signals import HandTracks
 
 HANGING = np.array([2.2, -5.2, -2.2, -5.2])  # a hand that was never seen is taken to hang at the side
@@ -29,8 +30,9 @@ def seen_from_face(belief: BodyBelief, tracks: HandTracks) -> tuple[BodyBelief, 
     if tracks.face_seen and np.isfinite(tracks.face).all():
         now = (float(tracks.face[0]), float(tracks.face[1]))
         face = now if face is None else (0.8 * face[0] + 0.2 * now[0], 0.8 * face[1] + 0.2 * now[1])
-        if "face" not in tracks.merged and tracks.areas[0] > 0:
-            sizes = (*sizes[-MEMORY + 1 :], float(np.sqrt(tracks.areas[0])))
+        area = tracks.areas[PARTS.index("face")]
+        if "face" not in tracks.merged and area > 0:
+            sizes = (*sizes[-MEMORY + 1 :], float(np.sqrt(area)))
     if face is None or not sizes:
         return BodyBelief(face, sizes, belief.hands), None
     size, hands = float(np.median(sizes)), list(belief.hands)

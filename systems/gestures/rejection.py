@@ -16,6 +16,8 @@ STATES, FOLDS, LEAST = 6, 3, 6
 SPEC = HmmSpec(STATES, 1, "diag", floor=3e-2, prior=5.0, segmental=4, baum_welch=3)
 FALSE_ACCEPTANCE = 0.005  # of held-out non-gestures: the threshold need not be higher than that takes
 ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the number
+SHOWN = 5  # examples beyond a quantile, with which it is taken as it is
+FURTHEST = 6.0  # spreads of the margins below their median, and no threshold is lower
 SPREADS, LEAST_SPREAD = 3.0, 0.1  # a duration may be so many spreads off, and none is less than this (log s)
 FAR_OFF = 0.5  # log s; examples that are further off, such as parts of a gesture, widen the spread no more than this
 
@@ -73,9 +75,9 @@ def fit_gate(
 ) -> Gate:
     """Models of resampled points (N, T, d); the threshold such that ``false_rejection`` of held-out gestures fall below it.
 
-    ``garbage`` is the class of non-gestures, -1 if there is none. The quantile is taken from the spread of the held-out margins' lower
-    half, as if it were normal: a few whose hands were mistaken for something else lie far below and would move it at will. With examples
-    of non-gestures, the threshold is lowered as far as they permit.
+    ``garbage`` is the class of non-gestures, -1 if there is none. A quantile that the held-out examples are too few to show is taken from
+    the spread of their lower half, as if it were normal; none lies further than ``FURTHEST`` such spreads below the median, where there is
+    only what was mistaken for the gesture. With examples of non-gestures, the threshold is lowered as far as they permit.
     """
     fold = _folds(labels, seed)
     margins, foreign = [], []
@@ -93,7 +95,9 @@ def fit_gate(
     held_out = np.concatenate(margins)
     median = np.median(held_out)
     sigma = (median - np.quantile(held_out, 0.16)) / -ndtri(0.16)
-    threshold = median + ndtri(false_rejection) * sigma
+    enough = len(held_out) * false_rejection >= SHOWN
+    threshold = np.quantile(held_out, false_rejection) if enough else median + ndtri(false_rejection) * sigma
+    threshold = max(threshold, median - FURTHEST * sigma)
     if sum(map(len, foreign)) >= 10 * LEAST:
         threshold = min(threshold, np.quantile(np.concatenate(foreign), 1.0 - FALSE_ACCEPTANCE))
     return Gate(gate.gestures, gate.anything, float(threshold))
@@ -102,8 +106,11 @@ def fit_gate(
 def _models(points, stream, labels, garbage, seed):
     source = fill_up(labels, ENOUGH)
     if len(source):
-        copies = distort(points[source], stream.sampling, np.random.default_rng([seed, 2]), Distortion())
+        copies = distort(points[source], stream, np.random.default_rng([seed, 2]), Distortion())
         points, labels = np.concatenate([points, copies]), np.concatenate([labels, labels[source]])
+    if stream.scale == "none":  # nobody's unit is quite another's
+        copies = distort(points, stream, np.random.default_rng([seed, 4]), Distortion(0.0, 0.0, 0.0, 0.0))
+        points, labels = np.concatenate([points, copies]), np.tile(labels, 2)
     x = describe(points, stream)
     lengths = np.full(len(x), x.shape[1])
     gestures = train(x, lengths, labels, SPEC)

@@ -78,7 +78,7 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
     sharp = options.discriminative and len(classes) > 1 and labels.max() > 0
     if sharp:
         source = fill_up(labels, ENOUGH if options.distortion else 0)
-        copies = distort(points[source], stream.sampling, rng, how) if len(source) else points[:0]
+        copies = distort(points[source], stream, rng, how) if len(source) else points[:0]
         points, labels, model = (
             np.concatenate([a, b]) for a, b in ((points, copies), (labels, labels[source]), (model, model[source]))
         )
@@ -115,7 +115,7 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
         p[back] = p[back, ::-1]
         copied = rng.random(len(p)) < COPIES * (options.distortion > 0)
         if copied.any():
-            p[copied] = distort(p[copied], stream.sampling, rng, how)
+            p[copied] = distort(p[copied], stream, rng, how)
         return describe(p, stream)
 
     return StreamModel(stream, sharpen(from_likelihood(bank, x, classes, mmi.temper), draw, labels, mmi, tick), classes)

@@ -209,10 +209,14 @@ class Distortion:
     slant: float = 0.25  # shear, x per y
     aspect: float = 0.15  # log of the stretch in x, its inverse in y
     bend: float = 0.05  # slow displacement along the stroke, in units of the gesture's spread
+    size: float = 0.15  # log of the unit in which positions are measured, where a stream's scale is none; without effect elsewhere
 
 
-def distort(points: np.ndarray, sampling: str, rng: np.random.Generator, how: Distortion) -> np.ndarray:
-    """Another writer's version of each trajectory (N, T, d): an affine change and a smooth bend; odd last coordinates only bend."""
+def distort(points: np.ndarray, stream: Stream, rng: np.random.Generator, how: Distortion) -> np.ndarray:
+    """Another writer's version of each trajectory (N, T, d), for a stream: an affine change and a smooth bend.
+
+    Odd last coordinates only bend.
+    """
     N, T, d = points.shape
     centre = points.mean(axis=1, keepdims=True)
     centred = points - centre
@@ -234,7 +238,9 @@ def distort(points: np.ndarray, sampling: str, rng: np.random.Generator, how: Di
     )
     out += np.swapaxes(bend, 1, 2)
     out += centre
-    return even(out) if sampling == "arc" else out
+    if stream.scale == "none":
+        out *= np.exp(rng.normal(0.0, how.size, (N, 1, 1)))
+    return even(out) if stream.sampling == "arc" else out
 
 
 def fill_up(labels: np.ndarray, enough: int) -> np.ndarray:

@@ -98,11 +98,23 @@ def test_every_feature_serves_any_number_of_coordinates(d):
 
 def test_distorted_copies_are_near_and_none_changes_nothing():
     points = normalise(resample([clean(curve(60, 3))] * 50, "arc", 32))
-    copies = normalise(distort(points, "arc", np.random.default_rng(0), Distortion()))
+    copies = normalise(distort(points, Stream(), np.random.default_rng(0), Distortion()))
     distance = np.sqrt(((copies - points) ** 2).sum(axis=2).mean(axis=1))
     assert 0.02 < np.median(distance) < 0.5
-    same = distort(points, "time", np.random.default_rng(0), Distortion(0.0, 0.0, 0.0, 0.0))
+    same = distort(points, Stream(sampling="time"), np.random.default_rng(0), Distortion(0.0, 0.0, 0.0, 0.0))
     np.testing.assert_allclose(same, points, atol=1e-9)
+
+
+def test_places_are_measured_in_another_unit_only_where_they_mean_something():
+    points, still = resample([clean(curve(60, 3))] * 50, "time", 32), Distortion(0.0, 0.0, 0.0, 0.0, size=0.2)
+    shape, place = (
+        distort(points, Stream(sampling="time", scale=scale), np.random.default_rng(0), still)
+        for scale in ("spread", "none")
+    )
+    np.testing.assert_allclose(shape, points, atol=1e-9)
+    unit = (place / points).reshape(50, -1)
+    assert np.ptp(unit, axis=1).max() < 1e-6
+    assert 0.1 < np.log(unit[:, 0]).std() < 0.3
 
 
 def test_small_classes_are_filled_up():
