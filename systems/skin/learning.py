@@ -12,6 +12,7 @@ from vipr.systems.skin.regions import Found
 from vipr.systems.skin.scene import Scene
 
 SURE_FACE = 0.25  # looks of a face, from which the person is known
+SOME_MARKS, COMPACT = 0.1, 2.2  # of a head that is not known yet; its area over that of the largest disc in it
 STIRRED = 0.3  # of a patch that moved in the last seconds, from which all of it is alive
 
 
@@ -26,6 +27,9 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
         if tracks is not None:
             facelike = (found.faceness > 0.2) & (found.person > 0.3)
             kept = _followed(labels, tracks, scale) | _person_pixels(labels, facelike)
+            if not tracks.face_seen:
+                head = _person_pixels(labels, _may_be_heads(found))
+                kept, on_person = kept | head, on_person | head
             if found.faceness.max(initial=0.0) < SURE_FACE:
                 awake = stirring(colours, still)
                 kept, on_person = kept | awake, on_person | awake
@@ -78,6 +82,15 @@ def _count_rest(index, outside, doubt, sure):
             if outside[i, j] and 0 < r < R_BINS - 1 and 0 < g < G_BINS - 1:
                 out[r, g] += np.float32(1.0) - doubt[r, g] * (np.float32(1.0) - sure[i, j])
     return out
+
+
+def _may_be_heads(found: Found) -> np.ndarray:
+    """(n,) bool: compact regions with some marks of a face above all that moves of the person; heads are often still."""
+    moves = (found.person > 0.5) & (found.moving > 0.3)
+    if not moves.any():
+        return moves
+    compact = found.areas < COMPACT * np.pi * np.maximum(found.cores[:, 2], 1.0) ** 2
+    return compact & (found.faceness > SOME_MARKS) & (found.centres[:, 1] < found.centres[moves, 1].min())
 
 
 def _person_pixels(labels: np.ndarray, person: np.ndarray) -> np.ndarray:
