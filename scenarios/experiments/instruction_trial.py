@@ -7,7 +7,7 @@ import numpy as np
 from vipr.scenarios.experiments.films import RATE, Reel, Sitting
 from vipr.scenarios.experiments.instructions import GARBAGE, LANGUAGE, Person, perform_all
 from vipr.scenarios.people.motion import greeting
-from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face
+from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face, told_apart
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.segmentation import MotionBelief, PauseSettings, advance
 from vipr.systems.gestures.trajectories import Trajectory
@@ -69,7 +69,7 @@ def cut(reels: list[Reel], settings: PauseSettings | None = None) -> Movements:
                     continue
                 motion, movement = advance(motion, tracks.time, point, settings)
                 if movement is not None:
-                    found.append((movement, tracks.time))
+                    found.append((told_apart(movement), tracks.time))
             first, last = r.bounds[k] / RATE
             overlap = [min(last, m.times[-1]) - max(first, m.times[0]) for m, _ in found]
             for n, (m, named) in enumerate(found):

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vipr.systems.gestures.trajectories import Trajectory
 from vipr.systems.hands.parts import PARTS
 from vipr.systems.signals import HandTracks
 
+EXCHANGED = 2.0  # faces that both hands together travel less if their names were exchanged between two frames
+CROSSED = 0.5  # faces by which, on average of beginning and end, the left hand is on the right of the right one: names were exchanged
 HANGING = np.array([2.2, -5.2, -2.2, -5.2])  # a hand that was never seen is taken to hang at the side
 MEMORY = 75  # frames over which the size of the face is the median
 
@@ -41,6 +44,22 @@ def seen_from_face(belief: BodyBelief, tracks: HandTracks) -> tuple[BodyBelief, 
         if getattr(tracks, f"{side}_seen") and np.isfinite(p).all():
             hands[2 * k : 2 * k + 2] = [(p[0] - face[0]) / size, (face[1] - p[1]) / size]
     return BodyBelief(face, sizes, tuple(hands)), np.array(hands)
+
+
+def told_apart(movement: Trajectory) -> Trajectory:
+    """The movement (T, 4) of two hands with their names mended, where a tracker exchanged them in its course or before it.
+
+    Hands do not jump to each other's places, and wherever they go between, they seldom are crossed where a movement begins and ends.
+    """
+    hands = movement.points.reshape(-1, 2, 2)
+    kept, exchanged = (
+        np.linalg.norm(hands[1:] - before, axis=2).sum(axis=1) for before in (hands[:-1], hands[:-1, ::-1])
+    )
+    wrong = np.r_[False, np.cumsum(exchanged + EXCHANGED < kept) % 2 == 1]
+    mended = np.where(wrong[:, None, None], hands[:, ::-1], hands)
+    if np.mean(mended[[0, -1], 0, 0] - mended[[0, -1], 1, 0]) < -CROSSED:
+        mended = mended[:, ::-1]
+    return Trajectory(mended.reshape(-1, 4), movement.times)
 
 
 def direction(points: np.ndarray) -> np.ndarray:

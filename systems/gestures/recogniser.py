@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import LeafSystem
 
-from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face
+from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face, told_apart
 from vipr.systems.gestures.classifier import GestureClassifier
 from vipr.systems.gestures.segmentation import MotionBelief, PauseSettings, advance
 from vipr.systems.signals import Gesture, HandTracks
@@ -39,6 +39,7 @@ def watch(
     motion, movement = advance(belief.motion, tracks.time, point, settings)
     gesture = belief.gesture
     if movement is not None:
+        movement = told_apart(movement)
         (name,), (probability,), (rejected,) = classifier.recognise([movement])
         gesture = Gesture(
             name=str(name),

@@ -8,8 +8,9 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from vipr.systems.errors import InputError
-from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face
+from vipr.systems.gestures.body import BodyBelief, direction, seen_from_face, told_apart
 from vipr.systems.gestures.segmentation import MotionBelief, PauseSettings, advance, segment
+from vipr.systems.gestures.trajectories import Trajectory
 from vipr.systems.signals import Gesture, HandTracks
 
 _spec = importlib.util.spec_from_file_location("examples_gestures_here", Path(__file__).with_name("examples.py"))
@@ -187,3 +188,24 @@ def test_nothing_is_said_without_a_face():
     simulator.AdvanceTo(0.5)
     said = system.GetOutputPort("gesture").Eval(simulator.get_context())
     assert isinstance(said, Gesture) and said.number == -1
+
+
+def wave(frames=30):
+    """The right hand waves to and fro beside a left one that hangs: (T, 4) in faces."""
+    u = np.linspace(0.0, 2.0 * np.pi, frames)
+    return np.column_stack([np.full(frames, 2.0), np.full(frames, -5.0), -2.0 + np.sin(u), np.zeros(frames)])
+
+
+@pytest.mark.parametrize("wrong", [slice(0, 0), slice(12, None), slice(0, 12), slice(10, 20), slice(None)])
+def test_names_of_hands_that_a_tracker_exchanged_are_mended(wrong):
+    points, times = wave(), np.arange(30) * DT
+    given = points.copy()
+    given[wrong] = points[wrong][:, [2, 3, 0, 1]]
+    np.testing.assert_array_equal(told_apart(Trajectory(given, times)).points, points)
+
+
+def test_hands_that_cross_and_come_back_keep_their_names():
+    u = np.linspace(0.0, np.pi, 20)
+    x = 1.5 - 3.0 * np.sin(u)
+    points = np.column_stack([x, np.full(20, -2.0), -x, np.full(20, -2.5)])
+    np.testing.assert_array_equal(told_apart(Trajectory(points, u)).points, points)
