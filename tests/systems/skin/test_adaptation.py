@@ -2,12 +2,17 @@
 
 import cv2
 import numpy as np
+import pytest
 
+from vipr.systems.signals import HandTracks
 from vipr.systems.skin import scene
 from vipr.systems.skin.chromaticity import chromaticity, histogram
+from vipr.systems.skin.classifier import SkinOptions
 from vipr.systems.skin.colour_model import REACH, adapt, initial_model, skin_table
 from vipr.systems.skin.density import components, density
 from vipr.systems.skin.face_marks import face_marks
+from vipr.systems.skin.learning import learn
+from vipr.systems.skin.regions import Found
 
 
 def bins(b, g, r, n=400):
@@ -105,3 +110,21 @@ def test_a_face_has_the_marks_of_one_and_a_ball_has_not():
     assert face > 0.5 and ball < 0.25
     upside_down = face_marks(luma[::-1].copy(), np.array([[50, 59, 13.0]]))[0]
     assert upside_down < 0.6 * face
+
+
+@pytest.mark.parametrize("moving", [0.0, 0.8])
+def test_what_may_be_a_head_above_a_moving_hand_is_not_taken_for_the_room(moving):
+    image, labels = np.full((120, 160, 3), 120, np.uint8), np.zeros((120, 160), np.uint8)
+    cv2.ellipse(labels, (80, 30), (8, 10), 0, 0, 360, 1, -1)
+    cv2.circle(labels, (110, 70), 5, 2, -1)
+    image[labels > 0] = (40, 60, 90)
+    skin, colours = np.where(labels > 0, 255, 0).astype(np.uint8), chromaticity(image)
+    found = Found(
+        centres=np.array([[80.0, 30.0], [110.0, 70.0]]), areas=np.array([250.0, 80.0]), person=np.array([0.4, 0.9]),
+        faceness=np.array([0.15, 0.0]), cores=np.array([[80.0, 30.0, 8.0], [110.0, 70.0, 5.0]]), moving=np.array([0.0, moving]),
+    )  # fmt: skip
+    still, model = scene.new_scene(colours), initial_model()
+    for _ in range(4):
+        still, model = learn(model, colours, skin, labels, found, still, HandTracks(), 1.0, 0.4, SkinOptions())
+    assert (still.sure[30, 80] > 0.9) == (moving == 0.0)
+    assert still.sure[100, 20] > 0.9
