@@ -49,7 +49,8 @@ def acquire(sight: Sight, X_CO_given: np.ndarray) -> Attempt:
     alone = about(sight, X, X, None)
     X, fit, matches, _ = edge_pass(sight, X, sight.settings.fine_reach, (1.3,), prior, 6.0, sharp=True, alone=alone)
     evidence = replace(weigh(matches, fit), given=agreement)
-    return Attempt(X, invert(fit.information + 1e-3 * sight.information), evidence)
+    covariance = invert(fit.information + 1e-3 * sight.information)
+    return Attempt(X, covariance, evidence, covariance @ fit.shared @ covariance)
 
 
 def elsewhere(X_CO: np.ndarray, tries: int) -> np.ndarray:

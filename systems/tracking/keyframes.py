@@ -3,7 +3,7 @@
 Frames: O object, C camera.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import cv2
@@ -36,6 +36,8 @@ class Keyframe:
     gradient: np.ndarray  # (LEVELS, 2, M, P) of looks by the keyframe's level pixels along x and y
     trust: float = 1.0  # 0 to 1, probability that the pose was right
     fit_px: float = 0.0  # residual of the edges at that pose
+    # (6, 6) of that pose, beside the covariance: what was the same in all frames up to then and had not averaged out.
+    shared: np.ndarray = field(default_factory=lambda: np.zeros((6, 6)))
     lasting: bool = False  # known beforehand: kept whatever is seen
 
     def __len__(self):

@@ -83,6 +83,8 @@ class Belief:
     started: bool = False  # whether an initial pose was ever given
     # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings.
     agility: float = 1.0
+    # (6, 6) of the pose, what is the same from frame to frame and does not average out in the motion's covariance.
+    shared: np.ndarray = field(default_factory=lambda: np.zeros((6, 6)))
     closeness: float = 0.75  # 0 to 1, how closely its edges have fitted of late; at first, how closely they might
 
     def __deepcopy__(self, memo):
@@ -99,7 +101,7 @@ class Belief:
     @property
     def covariance(self) -> np.ndarray:
         """(6, 6) of (rotation, translation) in C."""
-        return self.motion.covariance[:6, :6]
+        return self.motion.covariance[:6, :6] + self.shared
 
 
 def start(X_CO: np.ndarray, time: float = 0.0, number: int = -1, keyframes: tuple[Keyframe, ...] = ()) -> Belief:
@@ -227,7 +229,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         and sight.settings.texture
         and (keyframes or belief.X_CO_given is not None or number % LEARN_EVERY == 0)
     ):
-        keyframes = _learn(keyframes, motion, sight, best.evidence)
+        keyframes = _learn(keyframes, motion, best.shared, sight, best.evidence)
     return Belief(
         motion,
         state,
@@ -242,6 +244,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         0 if good else belief.doubtful + 1,
         True,
         _agility(belief, ahead, motion) if good else 1.0,
+        best.shared,
         max(FADING * belief.closeness, best.evidence.closeness if good else 0.0),
     )
 
@@ -262,7 +265,9 @@ def _doubt(keyframes: tuple[Keyframe, ...], best: Attempt) -> tuple[Keyframe, ..
     return tuple(k for k in kept if k.trust > 0.4 or k.lasting or k is kept[0])
 
 
-def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, evidence: Evidence) -> tuple[Keyframe, ...]:
+def _learn(
+    keyframes: tuple[Keyframe, ...], motion: Motion, shared: np.ndarray, sight: Sight, evidence: Evidence
+) -> tuple[Keyframe, ...]:
     """Keyframes with one more where the object is seen from a new side, sharply, and its edges confirm the pose."""
     if choose_keyframe(keyframes, motion.X_CO, limit=0.2) is not None:
         return keyframes
@@ -285,6 +290,7 @@ def _learn(keyframes: tuple[Keyframe, ...], motion: Motion, sight: Sight, eviden
     )
     if new is None:
         return keyframes
+    new = replace(new, shared=shared)
     lasting, learnt = ([k for k in keyframes if k.lasting is kind] for kind in (True, False))
     return (*lasting, *learnt[1 - LEARNT :], new)
 

@@ -70,7 +70,7 @@ def outdone(sight: Sight, best: Attempt, ahead: Motion) -> Attempt | None:
         if evidence.closeness >= max(best.evidence.closeness + gain, TIGHT):
             wrong = tuple(k for k in sight.keyframes if k is best.led_by or k.fit_px > CLOSE_PX)
             covariance = invert(fit.information - 0.999 * information)
-            found = Attempt(X, covariance, evidence, expected, against=wrong)
+            found = Attempt(X, covariance, evidence, covariance @ fit.shared @ covariance, expected, against=wrong)
             break
     sight.expect(ahead)
     return found

@@ -4,7 +4,7 @@ Displacements d = (w, v) are those of ``displacements``. Normal displacement of 
 are (q x g, g) with q = R p_O and g = n' du/dp_C.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,6 +26,8 @@ class Fit:
     weight: np.ndarray  # (N,) 0 to 1
     sigma: float  # px, robust RMS residual
     spread: float = 0.0  # px^2, variance of what the nodes of an edge have in common
+    # (6, 6) covariance of the pull, information times d, by what the nodes of an edge have in common: it is the same in the next frame.
+    shared: np.ndarray = field(default_factory=lambda: np.zeros((6, 6)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +75,7 @@ def fit_pose(
     start = np.zeros(6)
     if anneal:
         start = _anneal(J, matches.offset, preference, own_weight, base, pull, np.array(widths))
-    d, H, residual, chosen, weight, sigma, own = _refine(
+    d, H, residual, chosen, weight, sigma, own, shared = _refine(
         J,
         matches.offset,
         preference,
@@ -89,7 +91,7 @@ def fit_pose(
         doubt,
         -1.0 if spread is None else spread,
     )
-    return Fit(d, H + information, residual, chosen, weight, sigma, own)
+    return Fit(d, H + information, residual, chosen, weight, sigma, own, shared)
 
 
 @compiled
@@ -141,7 +143,7 @@ def _refine(
     doubt,
     spread,
 ):
-    """Three passes of Tukey's weights about the nearest hypotheses: (d, information, residual, chosen, weight, sigma, spread).
+    """Three passes of Tukey's weights about the nearest hypotheses: (d, information, residual, chosen, weight, sigma, spread, shared).
 
     spread < 0: to be estimated.
     """
@@ -193,17 +195,21 @@ def _refine(
                         count += 1
                 own = max(square / max(count - 4, 1), 0.0)  # the pose has taken up some of it
             common = max(doubt * own, model_error**2)
-        H, g = np.zeros((6, 6)), pull.copy()
+        H, g, pulls = np.zeros((6, 6)), pull.copy(), np.zeros((edges, 6))
         for n in range(N):
             if weight[n] > 0.0:
                 pulled = weight[n] / (own_noise[n] ** 2 * (1.0 + worth[edge[n]] * common))
                 add_row(H, g, J[n], pulled, offset[n, chosen[n]])
+                pulls[edge[n]] += pulled * J[n]
         mirror(H)
         d = solve(H + base, g)
+    shared = np.zeros((6, 6))
+    if by_edge:
+        shared = max(own, model_error**2) * (pulls.T @ pulls)
     for n in range(N):
         k = chosen[n]
         residual[n] = offset[n, k] - dot6(J[n], d) if preference[n, k] > 0.0 else np.nan
-    return d, H, residual, chosen, weight, sigma, own
+    return d, H, residual, chosen, weight, sigma, own, shared
 
 
 def fit_points(

@@ -66,7 +66,10 @@ def attempt(
     if sight.keyframes and texture is None:  # an unknown side of it: believed only if it has just turned there
         evidence = replace(evidence, unproven=sight.doubtful > 0 or view_difference(sight.X_CO_last, X_CO) > 0.25)
     covariance = invert(fit.information - information + 1e-3 * information)
-    return Attempt(X_CO, covariance, evidence, sight.ahead, led_by)
+    pulls = fit.shared
+    if prior is not None:
+        pulls = pulls + prior @ (led_by.covariance + led_by.shared) @ prior
+    return Attempt(X_CO, covariance, evidence, covariance @ pulls @ covariance, sight.ahead, led_by)
 
 
 def _recognise(sight, X_CO, information):

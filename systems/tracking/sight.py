@@ -1,6 +1,6 @@
 """What one step of the tracker looks at and with, and what an attempt at the pose comes to."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,6 +20,8 @@ class Attempt:
     X_CO: np.ndarray
     covariance: np.ndarray  # (6, 6) of what the image says, without the prediction
     evidence: Evidence
+    # (6, 6) of the covariance, what is the same in the next frame: of edges, and of the keyframe's own pose.
+    shared: np.ndarray = field(default_factory=lambda: np.zeros((6, 6)))
     ahead: Motion | None = None  # the prediction that it was weighed against
     led_by: Keyframe | None = None  # whose texture led there
     against: tuple[Keyframe, ...] = ()  # whose texture led, or would lead, elsewhere: overruled by the edges
