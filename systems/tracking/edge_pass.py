@@ -11,6 +11,7 @@ from vipr.systems.tracking.limbs import at_limbs
 from vipr.systems.tracking.normal_flow import find_edges, noise_px
 from vipr.systems.tracking.parallel_edges import told_apart
 from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose
+from vipr.systems.tracking.rims import straightened
 from vipr.systems.tracking.sight import Sight
 from vipr.systems.tracking.small_algebra import solve
 from vipr.systems.tracking.texture import TextureFit
@@ -48,9 +49,11 @@ def edge_pass(
     if sharp and settings.sharp:
         matches, certain = told_apart(matches, nodes, len(sight.model.edges))
         matches, noise, placed = at_limbs(matches, noise, sight.patch, nodes, sight.model)
+        matches = straightened(matches, nodes, sight.model, X_CO, sight.lens)
         shown = shown * certain * placed
     likely = preferences(matches.strength, matches.wide)
-    common = {"edge": nodes.edge, "noise": noise, "model_error": settings.model_error, "node_weight": shown}
+    model_error = np.where(nodes.edge < len(sight.model.edges), settings.model_error, settings.round_error)
+    common = {"edge": nodes.edge, "noise": noise, "model_error": model_error, "node_weight": shown}
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
         free = fit_pose(J, matches, likely, widths, alone, anneal=False, **common).spread

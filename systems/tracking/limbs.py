@@ -16,7 +16,7 @@ from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.normal_flow import Matches, Patch, sample_profiles
 from vipr.systems.tracking.visible_edges import Nodes
 
-CLEAR, INSIDE, OUTSIDE = 1.0, 5.0, 2.5  # px from the limb: what is fitted lies between the first and one of the others
+CLEAR, INSIDE, OUTSIDE = 1.0, 6.0, 2.5  # px from the limb: what is fitted lies between the first and one of the others
 ACROSS = 1.25  # px on either side, over which brightness is summed
 FARTHEST = 2.2  # px from its node
 STEP, LINES = 0.5, 3  # px between samples; parallel lines whose mean is taken

@@ -56,6 +56,7 @@ class TrackerSettings:
     start_search: bool = True  # look around a pose that was given, which may be tens of pixels off
     initial_px: float = 1.0  # px, how well a given pose places the model's corners if it is good
     model_error: float = 0.02  # px, least error of an edge of the model, common to its nodes
+    round_error: float = 0.05  # px, the same of limbs and rims, beside which there is shading
     spin_noise: float = 30.0  # rad/s^2, RMS angular acceleration expected
     speed_noise: float = 4.0  # m/s^2, RMS acceleration expected
 

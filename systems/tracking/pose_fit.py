@@ -46,7 +46,7 @@ def fit_pose(
     prior: Prior | None = None,
     edge: np.ndarray | None = None,
     noise: np.ndarray | float = 0.2,
-    model_error: float = 0.1,
+    model_error: np.ndarray | float = 0.1,
     doubt: float = 1.0,
     node_weight: np.ndarray | float = 1.0,
     spread: float | None = None,
@@ -60,7 +60,7 @@ def fit_pose(
 
     noise (N, K) [px]: least noise of each hypothesis' place; if the residuals speak of more, all count as so many times noisier.
     edge (N,): which edge each node is on. What the nodes of one edge have in common (a model that is a little wrong, a shadow
-    beside the edge) does not average out over them: the residuals' spread between edges, at least model_error [px], is counted once
+    beside the edge) does not average out over them: the residuals' spread between edges, at least model_error (N,) [px], is counted once
     an edge, in the weights and in the information; `doubt` multiplies the spread, and `spread` [px^2]
     stands for it if given. node_weight (N,): 0 to 1, confidence in a node from elsewhere. Without anneal, only
     the nearest hypotheses about no displacement are looked at.
@@ -87,7 +87,7 @@ def fit_pose(
         widths[-1],
         np.arange(N) if edge is None else edge,
         edge is not None,
-        model_error,
+        model_error * np.ones(N),
         doubt,
         -1.0 if spread is None else spread,
     )
@@ -184,7 +184,7 @@ def _refine(
                 held[edge[n]] += weight[n]
                 worth[edge[n]] += weight[n] / own_noise[n] ** 2
                 sums[edge[n]] += weight[n] / own_noise[n] ** 2 * residual[n]
-        common = 0.0
+        common = np.zeros(edges)
         if by_edge:
             own = spread
             if spread < 0.0:
@@ -194,18 +194,19 @@ def _refine(
                         square += (sums[e] / worth[e]) ** 2 - 1.0 / worth[e]  # noise makes some of it
                         count += 1
                 own = max(square / max(count - 4, 1), 0.0)  # the pose has taken up some of it
-            common = max(doubt * own, model_error**2)
+            for n in range(N):
+                common[edge[n]] = max(doubt * own, model_error[n] ** 2)
         H, g, pulls = np.zeros((6, 6)), pull.copy(), np.zeros((edges, 6))
         for n in range(N):
             if weight[n] > 0.0:
-                pulled = weight[n] / (own_noise[n] ** 2 * (1.0 + worth[edge[n]] * common))
+                pulled = weight[n] / (own_noise[n] ** 2 * (1.0 + worth[edge[n]] * common[edge[n]]))
                 add_row(H, g, J[n], pulled, offset[n, chosen[n]])
-                pulls[edge[n]] += pulled * J[n]
+                pulls[edge[n]] += np.sqrt(max(own, model_error[n] ** 2)) * pulled * J[n]
         mirror(H)
         d = solve(H + base, g)
     shared = np.zeros((6, 6))
     if by_edge:
-        shared = max(own, model_error**2) * (pulls.T @ pulls)
+        shared = pulls.T @ pulls
     for n in range(N):
         k = chosen[n]
         residual[n] = offset[n, k] - dot6(J[n], d) if preference[n, k] > 0.0 else np.nan
