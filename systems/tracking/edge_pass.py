@@ -15,7 +15,7 @@ from vipr.systems.tracking.rims import straightened
 from vipr.systems.tracking.sight import Sight
 from vipr.systems.tracking.small_algebra import solve
 from vipr.systems.tracking.texture import TextureFit
-from vipr.systems.tracking.visible_edges import visible_nodes
+from vipr.systems.tracking.visible_edges import Nodes, visible_nodes
 
 CLEAR = 12.0  # grey levels; much stronger edges are all alike
 NEARBY = 12.0  # px
@@ -42,15 +42,9 @@ def edge_pass(
     """
     settings = sight.settings
     nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
-    matches = look(sight, nodes, reach, SHARP_REACH if sharp and settings.sharp else 0.0)
+    matches, noise, certain = placed_edges(sight, nodes, X_CO, reach, sharp and settings.sharp)
     J = normal_jacobian(nodes, X_CO, sight.lens)
-    shown = uncovered(nodes.pixel, texture)
-    noise = noise_px(matches.strength, matches.wide, sight.patch.noise)
-    if sharp and settings.sharp:
-        matches, certain = told_apart(matches, nodes, len(sight.model.edges))
-        matches, noise, placed = at_limbs(matches, noise, sight.patch, nodes, sight.model)
-        matches = straightened(matches, nodes, sight.model, X_CO, sight.lens)
-        shown = shown * certain * placed
+    shown = uncovered(nodes.pixel, texture) * certain
     likely = preferences(matches.strength, matches.wide)
     model_error = np.where(nodes.edge < len(sight.model.edges), settings.model_error, settings.round_error)
     common = {"edge": nodes.edge, "noise": noise, "model_error": model_error, "node_weight": shown}
@@ -61,6 +55,20 @@ def edge_pass(
         J, matches, likely, widths, prior, doubt=doubt, spread=free, anneal=alone is None and not settled, **common
     )
     return move(X_CO, fit.d), fit, matches, shown
+
+
+def placed_edges(sight: Sight, nodes: Nodes, X_CO: np.ndarray, reach: float, sharp: bool):
+    """Edges within reach [px] of the nodes: (Matches, the noise (N, K) [px] of their places, how far each node can be trusted, (N,) or 1).
+
+    sharp: those near the pose also by the sharp derivative, each edge of the model its own, limbs and rims where they are.
+    """
+    matches, certain = look(sight, nodes, reach, SHARP_REACH if sharp else 0.0), 1.0
+    noise = noise_px(matches.strength, matches.wide, sight.patch.noise)
+    if sharp:
+        matches, certain = told_apart(matches, nodes, len(sight.model.edges))
+        matches, noise, placed = at_limbs(matches, noise, sight.patch, nodes, sight.model)
+        matches, certain = straightened(matches, nodes, sight.model, X_CO, sight.lens), certain * placed
+    return matches, noise, certain
 
 
 def uncovered(pixel, texture):
