@@ -9,7 +9,9 @@ from vipr.systems.tracking.diagnosis import weigh
 from vipr.systems.tracking.displacements import corner_information, difference
 from vipr.systems.tracking.edge_pass import about, edge_pass
 from vipr.systems.tracking.keyframes import choose_keyframe
+from vipr.systems.tracking.motion_filter import Motion, at_rest
 from vipr.systems.tracking.pose_fit import Prior
+from vipr.systems.tracking.recall import recall
 from vipr.systems.tracking.rivals import closest, nudged
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.sight import Attempt, Sight
@@ -89,3 +91,13 @@ def look_around(sight: Sight, X_CO: np.ndarray) -> list[Attempt]:
     sight.open([X_CO, *poses], margin=3.0 * sight.settings.reach)
     keyframes = [choose_keyframe(sight.keyframes, X) for X in poses]
     return [attempt(sight, X, k, 2, near=True) for X, k in zip(poses, keyframes, strict=True)]
+
+
+def remembered(sight: Sight, ahead: Motion) -> list[Attempt]:
+    """Attempts from wherever in the image the object looks as it was learnt."""
+    found = []
+    for X in recall(sight.keyframes, sight.image, sight.model, sight.lens):
+        sight.open([X], margin=3.0 * sight.settings.reach)
+        sight.expect(replace(ahead, X_CO=X, covariance=at_rest(X).covariance))
+        found.append(attempt(sight, X, choose_keyframe(sight.keyframes, X), 2, near=True))
+    return found

@@ -3,7 +3,7 @@
 Frames: O object, C camera.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import cv2
@@ -39,6 +39,7 @@ class Keyframe:
     # (6, 6) of that pose, beside the covariance: what was the same in all frames up to then and had not averaged out.
     shared: np.ndarray = field(default_factory=lambda: np.zeros((6, 6)))
     lasting: bool = False  # known beforehand: kept whatever is seen
+    picture: Patch | None = None  # what it was learnt from
 
     def __len__(self):
         return len(self.p_O)
@@ -47,6 +48,34 @@ class Keyframe:
     def alive(self) -> np.ndarray:
         """(LEVELS, M) whether the patch has contrast at the level."""
         return self.looks.any(2)
+
+    @cached_property
+    def keypoints(self) -> tuple[np.ndarray, np.ndarray]:
+        """Pixels (N, 2) of the keypoints in the picture that it was learnt from, and their descriptors (N, 128)."""
+        if self.picture is None:
+            return np.zeros((0, 2)), np.zeros((0, 128), np.float32)
+        pixel, look = keypoints(np.clip(self.picture.grey, 0, 255).astype(np.uint8))
+        return pixel + self.picture.origin, look
+
+    def without(self, numbers: np.ndarray) -> "Keyframe":
+        """The keyframe without the patches of these numbers."""
+        kept = np.setdiff1d(np.arange(len(self)), numbers)
+        return replace(
+            self,
+            p_O=self.p_O[kept],
+            normal_O=self.normal_O[kept],
+            axes_O=self.axes_O[kept],
+            looks=self.looks[:, kept],
+            gradient=self.gradient[:, :, kept],
+        )
+
+
+def keypoints(grey: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pixels (N, 2) of the SIFT keypoints of a grey image (h, w) uint8, and their descriptors (N, 128)."""
+    found, look = cv2.SIFT_create(nfeatures=1000).detectAndCompute(grey, None)
+    if not found:
+        return np.zeros((0, 2)), np.zeros((0, 128), np.float32)
+    return np.array([k.pt for k in found]), look
 
 
 def pyramid(patch: Patch) -> list[Patch]:
@@ -109,7 +138,7 @@ def learn_keyframe(
     pixel = _candidates(full, model, X_CO, lens, count)
     if len(pixel) < 6:
         return None
-    p_C, normal_C = _surface_points(model, X_CO, lens, pixel, occluders_C)
+    p_C, normal_C = surface_points(model, X_CO, lens, pixel, occluders_C)
     steps = []
     valid = np.isfinite(p_C[:, 2])
     for offset in ((1.0, 0.0), (0.0, 1.0)):  # one pixel along x and y, on the tangent plane
@@ -119,7 +148,7 @@ def learn_keyframe(
             steps.append(ray * depth[:, None] - p_C)
     axes_C = np.stack(steps, 1)
     for corner in ((-HALF - 1, -HALF - 1), (-HALF - 1, HALF + 1), (HALF + 1, -HALF - 1), (HALF + 1, HALF + 1)):
-        other, _ = _surface_points(model, X_CO, lens, pixel + corner, occluders_C)
+        other, _ = surface_points(model, X_CO, lens, pixel + corner, occluders_C)
         off = np.abs(np.einsum("md,md->m", normal_C, other - p_C))
         with np.errstate(invalid="ignore"):
             valid &= off < 0.02 * model.size  # the whole patch lies on one face
@@ -150,7 +179,9 @@ def learn_keyframe(
         gradient[:, :, clear],
     )
     R, t = X_CO[:3, :3], X_CO[:3, 3]
-    return Keyframe(X_CO, covariance, (p_C - t) @ R, normal_C @ R, axes_C @ R, looks, gradient, trust, fit_px)
+    return Keyframe(
+        X_CO, covariance, (p_C - t) @ R, normal_C @ R, axes_C @ R, looks, gradient, trust, fit_px, picture=full
+    )
 
 
 @compiled
@@ -214,7 +245,7 @@ def _candidates(full, model, X_CO, lens, count):
     return np.column_stack([x[order] + x0, y[order] + y0]) + full.origin
 
 
-def _surface_points(model, X_CO, lens, pixel, occluders_C):
+def surface_points(model, X_CO, lens, pixel, occluders_C):
     """Nearest surface point (M, 3) in C behind each pixel and its unit normal towards the camera; nan where there is none."""
     surface = model.surface @ X_CO[:3, :3].T + X_CO[:3, 3]
     own = len(surface)

@@ -12,8 +12,9 @@ import numpy as np
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
-from vipr.systems.tracking.acquire import acquire, elsewhere, look_around
+from vipr.systems.tracking.acquire import acquire, elsewhere, look_around, remembered
 from vipr.systems.tracking.cad_model import CadModel
+from vipr.systems.tracking.covered import given_up, uncovered
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
@@ -24,10 +25,12 @@ from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.texture import correlation_at
 
 DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads
-SLACK, SLACK_LED = 0.85, 0.75  # of the closeness of late: below, rivals are tried; where texture led, now and then
+# Of the closeness of late: below, rivals are tried; below that where texture led; below that all of them at once.
+SLACK, SLACK_LED, COLLAPSED = 0.85, 0.75, 0.5
 FADING = 0.97  # share of the closeness of late that is left a frame later
 LEARN_EVERY = 5  # frames between attempts to learn the texture of an object that has shown none yet
 LEARNT = 12  # keyframes, beside those that are known beforehand: the last so many are kept
+RECALL_EVERY = 2  # frames between searches of the whole image for an object that was lost
 LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
 
 
@@ -54,6 +57,7 @@ class TrackerSettings:
     second_try: bool = True  # other starts and longer searches when the evidence is thin
     rivals: bool = True  # other poses near the one found that fit more closely
     start_search: bool = True  # look around a pose that was given, which may be tens of pixels off
+    recall: bool = True  # look for a lost object in the whole image, by what it looked like
     initial_px: float = 1.0  # px, how well a given pose places the model's corners if it is good
     model_error: float = 0.02  # px, least error of an edge of the model, common to its nodes
     round_error: float = 0.05  # px, the same of limbs and rims, beside which there is shading
@@ -154,10 +158,10 @@ def step(
     steady = steady if settings.prediction else ahead
     sight = Sight(image, model, lens, settings, occluders_C, belief, ahead, dt, steady)
     best = _search(belief, ahead, sight)
-    if settings.rivals and not fresh and best.evidence.score >= TRACKING:
-        slack = SLACK if best.led_by is None else SLACK_LED if number % DOUBT_EVERY == 0 else 0.0
-        if best.evidence.closeness < slack * belief.closeness:
-            best = outdone(sight, best, ahead) or best
+    share, led = best.evidence.closeness / belief.closeness, best.led_by is not None
+    if settings.rivals and not fresh and share < (SLACK_LED if led else SLACK):
+        widely = best.evidence.score >= TRACKING and (not led or number % DOUBT_EVERY == 0 or share < COLLAPSED)
+        best = outdone(sight, best, ahead, belief.closeness, widely) or best
     return _conclude(belief, ahead, best, sight, time, number)
 
 
@@ -186,8 +190,10 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
         if other.evidence.edges > best.evidence.edges - (0.15 if sight.goes_steadily(best.X_CO) else 0.3):
             return other
         sight.expect(ahead)
-    elif best.led_by is not None and doubt(best.evidence) > (0.0 if now_and_then else 1.0):
-        other = overrule(sight, best, ahead, widely=now_and_then)
+    elif best.led_by is not None and (
+        doubt(best.evidence) > (0.0 if now_and_then else 1.0) or best.evidence.closeness < SLACK_LED * belief.closeness
+    ):
+        other = overrule(sight, best, ahead, belief.closeness, widely=now_and_then)
         if other is not None:
             return other
     if best.evidence.score > 0.7 or not sight.settings.second_try:
@@ -204,6 +210,8 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
             best = other
         if best.evidence.score > 0.8:
             break
+    if best.evidence.score < TRACKING and belief.doubtful % RECALL_EVERY == 1 and sight.settings.recall:
+        best = max([best, *remembered(sight, ahead)], key=lambda one: one.evidence.score)
     if best.evidence.score < TRACKING and belief.doubtful % LOOK_EVERY == 2 and sight.settings.start_search:
         around = belief.X_CO_good if belief.X_CO_good is not None else belief.X_CO
         sight.expect(replace(ahead, X_CO=around, covariance=at_rest(around).covariance))
@@ -222,6 +230,8 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         motion = update(best.ahead or ahead, best.X_CO, best.covariance)
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
+    if best.prune:
+        keyframes = given_up(keyframes, motion.X_CO, sight)
     keyframes = tuple(k for k in keyframes if k.lasting or not any(k is wrong for wrong in best.against))
     if best.led_by is not None:
         keyframes = _doubt(keyframes, best)
@@ -230,7 +240,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         and sight.settings.texture
         and (keyframes or belief.X_CO_given is not None or number % LEARN_EVERY == 0)
     ):
-        keyframes = _learn(keyframes, motion, best.shared, sight, best.evidence)
+        keyframes = _learn(keyframes, motion, best.shared, sight, best.evidence, belief.closeness)
     return Belief(
         motion,
         state,
@@ -267,7 +277,12 @@ def _doubt(keyframes: tuple[Keyframe, ...], best: Attempt) -> tuple[Keyframe, ..
 
 
 def _learn(
-    keyframes: tuple[Keyframe, ...], motion: Motion, shared: np.ndarray, sight: Sight, evidence: Evidence
+    keyframes: tuple[Keyframe, ...],
+    motion: Motion,
+    shared: np.ndarray,
+    sight: Sight,
+    evidence: Evidence,
+    late: float,
 ) -> tuple[Keyframe, ...]:
     """Keyframes with one more where the object is seen from a new side, sharply, and its edges confirm the pose."""
     if choose_keyframe(keyframes, motion.X_CO, limit=0.2) is not None:
@@ -276,7 +291,7 @@ def _learn(
         speed = corner_shift(sight.model, sight.lens, motion.X_CO, move(motion.X_CO, motion.V_CO * sight.dt))
         served = choose_keyframe(keyframes, motion.X_CO, limit=0.45) is not None
         sound = evidence.edges > 0.6 and evidence.sigma < 1.0 and speed < 5.0
-        if not sound and (served or evidence.edges < 0.4):
+        if not sound and (served or evidence.edges < 0.4 or evidence.closeness < SLACK * late):
             return keyframes  # wait while an older one still serves
     new = learn_keyframe(
         sight.pyramid,
@@ -289,6 +304,8 @@ def _learn(
         evidence.by_edges if keyframes else evidence.score,
         evidence.sigma,
     )
+    if new is not None and keyframes:
+        new = uncovered(new, keyframes, motion.X_CO, sight)
     if new is None:
         return keyframes
     new = replace(new, shared=shared)

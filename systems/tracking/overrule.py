@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from vipr.systems.tracking.diagnosis import Evidence, weigh
-from vipr.systems.tracking.displacements import corner_information, move
+from vipr.systems.tracking.displacements import corner_information, corner_shift, move
 from vipr.systems.tracking.edge_pass import about, edge_pass
 from vipr.systems.tracking.motion_filter import Motion, at_rest
 from vipr.systems.tracking.rivals import closest, settle_on
@@ -18,7 +18,9 @@ WELL_PX, WELL_SHARE = 0.5, 0.7  # residual and share of edges of a pose that is 
 OVERRULE_PX = (4.0, 8.0)  # RMS of the corners: how far from a doubtful pose others are tried
 CERTAIN = 10.0  # significance of a texture that is hardly mistaken
 MUCH_CLOSER = 0.25  # of closeness: what the motion so far does not lead to must fit so much more closely
-TIGHT = 0.65  # closeness of edges from which a rival of a tracked pose is taken
+TIGHT = 0.65  # closeness of edges from which a rival found anywhere is taken
+AS_OF_LATE = 0.75  # share of the closeness of late from which edges fit as they should
+ELSEWHERE_PX = 1.0  # RMS of the corners: nearer, a rival is the same pose
 CLOSER, BETTER = 0.1, 0.15  # of a fit's quality: edges that fit so much better, closely or not, overrule a texture
 
 
@@ -27,13 +29,13 @@ def doubt(evidence: Evidence) -> float:
     return max(evidence.sigma / WELL_PX, (1.0 - evidence.edges) / (1.0 - WELL_SHARE)) - 1.0
 
 
-def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attempt | None:
+def overrule(sight: Sight, best: Attempt, ahead: Motion, late: float, widely: bool) -> Attempt | None:
     """What the edges say alone where texture led to a pose that they do not fit: blurred, it leads astray; or it is a hand's, or was
     learnt at a wrong pose, with lines of print taken for edges. None unless the edges fit much better elsewhere: where the motion leads,
     or, if asked to look widely, along the directions that the image shows least of.
     """
     sight.expect(sight.steady)
-    other = _if_better(attempt(sight, sight.steady.X_CO, None, 1, near=True), best)
+    other = _if_better(attempt(sight, sight.steady.X_CO, None, 1, near=True), best, sight, late)
     if other is not None or not widely:
         sight.expect(ahead)
         return other
@@ -47,7 +49,7 @@ def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attemp
             sight.expect(replace(ahead, X_CO=X, covariance=at_rest(X).covariance))
             X, fit, matches, _ = edge_pass(sight, X, sight.settings.fine_reach, (3.0, 1.3), about(sight, X, X, None))
             if weigh(matches, fit).quality > best.evidence.quality + CLOSER:
-                other = _if_better(attempt(sight, X, None, 0, near=True), best)
+                other = _if_better(attempt(sight, X, None, 0, near=True), best, sight, late)
                 if other is not None:
                     sight.expect(ahead)
                     return other
@@ -55,28 +57,32 @@ def overrule(sight: Sight, best: Attempt, ahead: Motion, widely: bool) -> Attemp
     return None
 
 
-def outdone(sight: Sight, best: Attempt, ahead: Motion) -> Attempt | None:
-    """A rival of a tracked pose whose edges fit much more closely than its own: where the motion leads, or anywhere near.
+def outdone(sight: Sight, best: Attempt, ahead: Motion, late: float, widely: bool) -> Attempt | None:
+    """A rival of a pose whose edges fit much more closely than its own: where the motion leads, where its own edges lead if nothing else
+    pulls, or, if asked to look widely, anywhere near.
 
-    What the motion does not lead to must fit more closely still: seen end on, few edges fit well in many places.
+    What is found elsewhere must fit more closely still: seen end on, few edges fit well in many places.
     """
     sight.expect(replace(ahead, X_CO=best.X_CO, covariance=at_rest(best.X_CO).covariance))
     expected, information = sight.ahead, sight.information
     found = None
-    for rival in (lambda: sight.steady.X_CO, lambda: closest(sight, best.X_CO)):
+    ways = (lambda: sight.steady.X_CO, lambda: best.X_CO, lambda: closest(sight, best.X_CO))
+    for n, rival in enumerate(ways[: 2 + widely]):
         X, fit, matches = settle_on(sight, rival())
         evidence = weigh(matches, fit)
-        gain = CLOSER if sight.goes_steadily(X) else MUCH_CLOSER
-        if evidence.closeness >= max(best.evidence.closeness + gain, TIGHT):
-            wrong = tuple(k for k in sight.keyframes if k is best.led_by or k.fit_px > CLOSE_PX)
+        gain, enough = (
+            (MUCH_CLOSER, TIGHT) if n == 2 and not sight.goes_steadily(X) else (CLOSER, min(TIGHT, AS_OF_LATE * late))
+        )
+        elsewhere = corner_shift(sight.model, sight.lens, X, best.X_CO) > ELSEWHERE_PX
+        if elsewhere and evidence.closeness >= max(best.evidence.closeness + gain, enough):
             covariance = invert(fit.information - 0.999 * information)
-            found = Attempt(X, covariance, evidence, covariance @ fit.shared @ covariance, expected, against=wrong)
+            found = Attempt(X, covariance, evidence, covariance @ fit.shared @ covariance, expected, prune=True)
             break
     sight.expect(ahead)
     return found
 
 
-def _if_better(other, best):
+def _if_better(other, best, sight, late):
     """The other attempt if its edges fit so much better that the texture must be wrong; its keyframe is named if it is beyond doubt.
 
     Motion blur has two edges, and one side of it may fit better than its middle: only a close fit overrules a keyframe that
@@ -86,6 +92,10 @@ def _if_better(other, best):
     close, many = other.evidence.sigma < CLOSE_PX, other.evidence.edges > WELL_SHARE
     few_agree = best.evidence.texture < CERTAIN
     unsure = best.led_by.fit_px > WELL_PX
+    closeness = other.evidence.closeness
+    elsewhere = corner_shift(sight.model, sight.lens, other.X_CO, best.X_CO) > ELSEWHERE_PX
+    if elsewhere and closeness > max(best.evidence.closeness + CLOSER, AS_OF_LATE * late):
+        return replace(other, prune=True)
     if not ((close and gain > CLOSER) or (many and (unsure or few_agree) and gain > BETTER)):
         return None
     wrong = (best.led_by,) if many else ()

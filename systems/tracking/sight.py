@@ -25,6 +25,7 @@ class Attempt:
     ahead: Motion | None = None  # the prediction that it was weighed against
     led_by: Keyframe | None = None  # whose texture led there
     against: tuple[Keyframe, ...] = ()  # whose texture led, or would lead, elsewhere: overruled by the edges
+    prune: bool = False  # patches that look wrong at this pose are not the object's
 
 
 class Sight:

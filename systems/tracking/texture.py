@@ -125,6 +125,18 @@ def correlation_at(
     return float(correlation.mean())
 
 
+def looks_right(keyframe, levels, model, X_CO, lens, occluders_C=None):
+    """(numbers of the visible patches that look right at a pose, of those that look wrong)."""
+    view = _View(keyframe, model, X_CO, lens, occluders_C)
+    none = np.zeros(0, int)
+    if len(view) < 6:
+        return none, none
+    _, _, misfit, _, _ = _align_level(*_level(view, keyframe, levels, 1), np.zeros((6, 6)), np.zeros(6), np.zeros(6), 0)
+    alive = keyframe.alive[1][view.seen]
+    seen, correlation = view.seen[alive], 1.0 - 0.5 * misfit[alive]
+    return seen[correlation > ALIKE], seen[correlation < 0.5]
+
+
 def align(
     keyframe: Keyframe,
     levels: list[Patch],
