@@ -1,6 +1,7 @@
 """Is it a gesture at all? A threshold on likelihood beside a garbage model, calibrated on held-out examples (paper, after eq. 14).
 
-The models do not know how long a movement took; where time is known, it must be about what the gesture's examples took.
+The models do not know how long a movement took; where time is known, it speaks for the gestures whose examples took as long, and must be
+about what they took.
 """
 
 from dataclasses import dataclass
