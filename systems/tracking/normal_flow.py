@@ -12,11 +12,10 @@ import cv2
 import numpy as np
 
 from vipr.systems.compiled import compiled
+from vipr.systems.tracking.centroids import to_centroids
 from vipr.systems.tracking.visible_edges import Nodes
 
 SHARP = 0.7  # px, width of the derivative in the last pass: neighbouring print hardly moves its peaks
-WINDOW = 1.25  # px on either side, of the gradient whose centroid is taken
-MOST = 0.5  # px, as far as a centroid may be from its peak
 LEAST_PX, LEAST_SHARP_PX = (
     0.2,
     0.03,
@@ -174,7 +173,7 @@ def find_edges(
         floor = max(contrast, CLEAR_OF_NOISE * 0.6 * patch.noise)
         sharp = _peaks(raw, _derivative_kernel(SHARP, step), skip, step, floor, K, quantise)
         if not quantise:
-            _to_centroids(raw, *sharp, step)
+            to_centroids(raw, *sharp, step)
         offset, strength = np.concatenate([offset, sharp[0]], 1), np.concatenate([strength, sharp[1]], 1)
     if quantise:  # a step along a rounded normal is longer or shorter along the true one
         offset = offset * (normal * nodes.normal).sum(1)[:, None]
@@ -219,39 +218,6 @@ def _peaks(profiles, kernel, margin, step, contrast, count, whole):
             strength[n, k], offset[n, k] = response[j], (j + shift - 0.5 * (length - 1)) * step
             channel[n, k] = strongest[j]
     return offset, strength, channel
-
-
-@compiled
-def _to_centroids(profiles, offset, strength, channel, step):
-    """Moves the places of edges (N, K) from the peaks of the sharp derivative to the centroids of the gradient about them.
-
-    The pixels are means over areas, so that a step between two of them spreads over a pixel, unevenly: the peak of its derivative is off
-    by up to 0.1 px, one way or the other with the place of the edge within the pixel. For an edge that crosses few rows or columns that
-    does not average out. The centroid of the gradient of what lies between the pixels (bilinear) is exact: what a pixel shares with its
-    neighbours on either side of the edge, they share in proportion. The window holds all of a sharp step and little of what is beside it.
-    """
-    L = profiles.shape[2]
-    middle = 0.5 * (L - 1)
-    for n in range(len(profiles)):
-        for k in range(offset.shape[1]):
-            if strength[n, k] == 0.0:
-                continue
-            line, peak = profiles[n, channel[n, k]], offset[n, k]
-            centre = peak
-            for _ in range(2):
-                first = max(int(np.ceil((centre - WINDOW) / step + middle - 1.0)), 0)
-                last = min(int((centre + WINDOW) / step + middle), L - 2)
-                total, moment = 0.0, 0.0
-                for j in range(first, last + 1):
-                    place = (j + 0.5 - middle) * step
-                    share = min(max((WINDOW + 0.5 * step - abs(place - centre)) / step, 0.0), 1.0)
-                    gradient = share * (line[j + 1] - line[j])
-                    total += gradient
-                    moment += gradient * (place - peak)
-                if total * strength[n, k] <= 0.0:
-                    break
-                centre = peak + min(max(moment / total, -MOST), MOST)
-            offset[n, k] = centre
 
 
 def noise_px(strength: np.ndarray, wide: int, noise: float) -> np.ndarray:

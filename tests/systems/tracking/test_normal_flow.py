@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vipr.systems.tracking.normal_flow import cut_patch, find_edges, quantised
+from vipr.systems.tracking.normal_flow import cut_patch, find_edges, noise_px, quantised
 from vipr.systems.tracking.visible_edges import Nodes
 
 ALL = np.zeros(2), np.array([200.0, 200.0])
@@ -92,3 +92,20 @@ def test_quantised_normals_are_the_papers_four_directions():
     patch = cut_patch(grey(step_image(2.0, 0.3)), *ALL)
     found = strongest(find_edges(patch, nodes_on_line(0.3), 6.0, quantise=True))
     assert abs(np.median(found) - 2.0) < 0.6
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.01, np.pi / 2, 0.4])
+def test_a_sharp_edge_is_found_to_a_thirtieth_of_a_pixel_wherever_in_a_pixel_it_lies(angle):
+    for place in (-0.5, -0.25, 0.0, 0.25):  # in quarters of a pixel, as the picture is drawn
+        found = find_edges(cut_patch(grey(step_image(place, angle)), *ALL), nodes_on_line(angle), 4.0, sharp_reach=3.0)
+        assert abs(np.median(found.offset[:, found.wide]) - place) < 0.033
+
+
+@pytest.mark.parametrize("step", [12.0, 20.0, 40.0])
+def test_the_noise_of_a_place_is_told_from_strength_and_pixel_noise(step):
+    patch = cut_patch(grey(step_image(0.3, 0.35, 100.0, 100.0 + step, noise=1.5)), *ALL)
+    matches = find_edges(patch, nodes_on_line(0.35, 26), 4.0, contrast=3.0, sharp_reach=3.0)
+    near = np.abs(matches.offset[:, matches.wide] - 0.3) < 1.0
+    told = noise_px(matches.strength, matches.wide, patch.noise)[near, matches.wide]
+    off = matches.offset[near, matches.wide] - 0.3
+    assert near.mean() > 0.8 and 0.5 < np.sqrt(np.mean((off / told) ** 2)) < 1.6
