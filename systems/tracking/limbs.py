@@ -14,25 +14,22 @@ import numpy as np
 from vipr.systems.compiled import compiled
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.normal_flow import Matches, Patch, sample_profiles
+from vipr.systems.tracking.parallel_edges import UNSURE
 from vipr.systems.tracking.visible_edges import Nodes
 
 CLEAR, INSIDE, OUTSIDE = 1.0, 6.0, 2.5  # px from the limb: what is fitted lies between the first and one of the others
 ACROSS = 1.25  # px on either side, over which brightness is summed
 FARTHEST = 2.2  # px from its node
 STEP, LINES = 0.5, 3  # px between samples; parallel lines whose mean is taken
-ITERATIONS, MOST_PX, STILL_PX = (
-    8,
-    0.4,
-    0.05,
-)  # of the place, and px of one of them at most, and where it has come to rest
-FAINTEST = 4.0  # times the noise of what is fitted: a smaller step at the limb says nothing of its place
+ITERATIONS = 8
+MOST_PX, STILL_PX = 0.4, 0.05  # of one iteration: at most, and where the place has come to rest
+FAINTEST = 4.0  # times the noise: a smaller step at the limb says nothing of its place
 PER_NOISE = (
-    2.3  # px of a place's noise for noise as strong as the step: that of the sum, and of a and c carried on to the limb
+    2.3  # px of a place's noise for noise as strong as the step: of the sum, and of a and c carried on to the limb
 )
 LEAST_PX, MOST_NOISE_PX = 0.05, 1.0
 LEAST_GREY = 0.4  # grey levels of noise: no less is believed
 PLAIN, SLACK = 2.0, 0.05  # times the noise, and share of the step: what is left over of print or clutter is more
-UNSURE = 0.1  # weight of a node whose limb cannot be placed so
 
 
 def at_limbs(

@@ -66,6 +66,24 @@ def test_what_the_nodes_do_not_show_follows_the_prior():
     assert fit.d[4] == pytest.approx(0.01, rel=0.05)
 
 
+def test_what_is_wrong_with_whole_edges_is_told_as_lasting_and_more_nodes_do_not_lessen_it():
+    told = []
+    for count in (80, 320):
+        nodes = visible_nodes(box(), X, LENS, count, 0.5)
+        J, rng, square = normal_jacobian(nodes, X, LENS), np.random.default_rng(3), 0.0
+        for _ in range(60):
+            offset = 0.05 * rng.normal(size=nodes.edge.max() + 1)[nodes.edge][:, None]
+            matches = Matches(offset, np.full(offset.shape, 50.0), 5.0, 1)
+            fit = fit_pose(
+                J, matches, np.ones(offset.shape), (1.0,), edge=nodes.edge, noise=0.05, model_error=0.05, spread=0.0
+            )
+            square += fit.d[5] ** 2 / 60
+        inverse = np.linalg.inv(fit.information)
+        told.append(np.sqrt((inverse @ fit.shared @ inverse)[5, 5]))
+        assert 0.6 < np.sqrt(square) / told[-1] < 1.4
+    assert told[1] > 0.8 * told[0]
+
+
 def test_without_nodes_nothing_moves():
     none = visible_nodes(box(), se3.pose(np.eye(3), np.array([9.0, 0, 1.0])), LENS)
     empty = Matches(np.zeros((0, 4)), np.zeros((0, 4)), 5.0, 4)
