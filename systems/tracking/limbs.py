@@ -24,9 +24,7 @@ STEP, LINES = 0.5, 3  # px between samples; parallel lines whose mean is taken
 ITERATIONS = 8
 MOST_PX, STILL_PX = 0.4, 0.05  # of one iteration: at most, and where the place has come to rest
 FAINTEST = 4.0  # times the noise: a smaller step at the limb says nothing of its place
-PER_NOISE = (
-    2.3  # px of a place's noise for noise as strong as the step: of the sum, and of a and c carried on to the limb
-)
+PER_NOISE = 2.3  # px for noise as strong as the step: that of the sum, and of a and c carried on to the limb
 LEAST_PX, MOST_NOISE_PX = 0.05, 1.0
 LEAST_GREY = 0.4  # grey levels of noise: no less is believed
 PLAIN, SLACK = 2.0, 0.05  # times the noise, and share of the step: what is left over of print or clutter is more
