@@ -18,7 +18,6 @@ from vipr.systems.tracking.texture import TextureFit
 NEAR = 1.5  # px: an edge within this supports its node
 CLOSE = 0.3  # px: residuals of a sharp picture at the right pose are smaller
 WRONG = 0.23  # closeness and a quarter of the share of supported nodes: at wrong poses they come to less
-SURE = 0.6  # closeness that edges reach at the right pose only
 TRACKING, LOST = 0.5, 0.15  # score above which the pose can be used, below which it means nothing
 
 
@@ -53,11 +52,7 @@ class Evidence:
             # Patches that agree while the edges do not: they may have been learnt at a wrong pose.
             by_texture = self.trust * _logistic(1.2 * (self.texture - 4.5)) * min(max(0.4 + 2.0 * self.edges, 0.3), 1.0)
         by_edges = _logistic(z)
-        if (
-            (self.unproven or (self.patches >= 8 and self.texture < 4.0))
-            and self.edges < 0.85
-            and self.closeness < SURE
-        ):
+        if (self.unproven or (self.patches >= 8 and self.texture < 4.0)) and self.edges < 0.85:
             by_edges = min(by_edges, 0.45)  # edges there are everywhere
         by_hand = 0.9 * self.given * _logistic(-3.0 + 12.0 * self.edges)
         fits = _logistic(40.0 * (self.closeness + 0.25 * self.edges - WRONG))
