@@ -59,9 +59,9 @@ def overrule(sight: Sight, best: Attempt, ahead: Motion, late: float, widely: bo
 
 def outdone(sight: Sight, best: Attempt, ahead: Motion, late: float, widely: bool) -> Attempt | None:
     """A rival of a pose whose edges fit much more closely than its own: where the motion leads, where its own edges lead if nothing else
-    pulls, or, if asked to look widely, anywhere near.
+    pulls, or, if asked to look widely, anywhere near. late: how closely its edges have fitted of late.
 
-    What is found elsewhere must fit more closely still: seen end on, few edges fit well in many places.
+    What is found anywhere near must fit more closely still: seen end on, few edges fit well in many places.
     """
     sight.expect(replace(ahead, X_CO=best.X_CO, covariance=at_rest(best.X_CO).covariance))
     expected, information = sight.ahead, sight.information
@@ -70,9 +70,8 @@ def outdone(sight: Sight, best: Attempt, ahead: Motion, late: float, widely: boo
     for n, rival in enumerate(ways[: 2 + widely]):
         X, fit, matches = settle_on(sight, rival())
         evidence = weigh(matches, fit)
-        gain, enough = (
-            (MUCH_CLOSER, TIGHT) if n == 2 and not sight.goes_steadily(X) else (CLOSER, min(TIGHT, AS_OF_LATE * late))
-        )
+        near = n < 2 or sight.goes_steadily(X)
+        gain, enough = (CLOSER, min(TIGHT, AS_OF_LATE * late)) if near else (MUCH_CLOSER, TIGHT)
         elsewhere = corner_shift(sight.model, sight.lens, X, best.X_CO) > ELSEWHERE_PX
         if elsewhere and evidence.closeness >= max(best.evidence.closeness + gain, enough):
             covariance = invert(fit.information - 0.999 * information)
