@@ -5,6 +5,7 @@ on the gradients; finish by Gauss-Newton on the edges; weigh the evidence; if it
 Frames: O object, C camera (x right, y down, z forward); displacements d = (w, v) as in ``displacements``.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -256,8 +257,14 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         True,
         _agility(belief, ahead, motion) if good else 1.0,
         best.shared,
-        max(FADING * belief.closeness, best.evidence.closeness if good else 0.0),
+        _closeness_of_late(belief, best.evidence.closeness) if good else FADING * belief.closeness,
     )
+
+
+def _closeness_of_late(belief: Belief, closeness: float) -> float:
+    """How closely edges should fit in the next frame; the first fit counts for half, as models differ in how well they are known."""
+    late = FADING * belief.closeness if belief.X_CO_given is None else math.sqrt(belief.closeness * closeness)
+    return max(late, closeness)
 
 
 def _agility(belief: Belief, ahead: Motion, motion: Motion) -> float:
