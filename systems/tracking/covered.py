@@ -12,10 +12,8 @@ from vipr.systems.tracking.keyframes import Keyframe, view_difference
 from vipr.systems.tracking.sight import Sight
 from vipr.systems.tracking.texture import looks_right
 
-SEEN_ALIKE, COMPARABLE = (
-    0.6,
-    0.8,
-)  # difference of views up to which patches are given up, and to which they say what is covered
+# Difference of views up to which patches are given up, and up to which they say what is covered.
+SEEN_ALIKE, COMPARABLE = 0.6, 0.8
 FEWEST = 8  # patches of a keyframe that is kept
 NEARBY = 12.0  # px
 SILENT = 0.05  # patches: so little nearby says nothing

@@ -22,9 +22,8 @@ HYPOTHESES = 8  # edges of a node, at most
 DRAWS = 500
 DRAWN = 6  # nodes
 DRAWN_PX = 0.5  # how well a drawn edge is known
-WIDTHS = np.array(
-    [1.5, 1.5, 1.0, 0.6, 0.4]
-)  # px, about a drawn pose, within which other nodes agree, from pass to pass
+# px, about a drawn pose, within which other nodes agree, from pass to pass
+WIDTHS = np.array([1.5, 1.5, 1.0, 0.6, 0.4])
 PROMISING = 0.75  # share of the best agreement so far below which a draw is given up
 APART = 0.5  # px RMS of the nodes between rivals
 KEPT = 8  # rivals
@@ -95,9 +94,8 @@ def rivals(sight: Sight, X_CO: np.ndarray) -> list[np.ndarray]:
     if len(nodes) < DRAWN:
         return []
     matches = look(sight, nodes, REACH, REACH, HYPOTHESES)
-    sharp = (matches.strength[:, matches.wide :] != 0).any(1)[
-        :, None
-    ]  # where there is none, the wide derivative must do
+    # Where there is none, the wide derivative must do.
+    sharp = (matches.strength[:, matches.wide :] != 0).any(1)[:, None]
     offset, strength = (
         np.where(sharp, part[:, matches.wide :], part[:, : matches.wide]) for part in (matches.offset, matches.strength)
     )

@@ -75,9 +75,7 @@ def run(bench: Workbench) -> Iterator[Table]:
             "bias x, y, z mm",
         ),
         note="edge px: 1.48 MAD of the edges' distances from the truth. Bound: Cramer-Rao for the same nodes, each with its share of that "
-        "noise. "
-        "lateral: "
-        "RMS length of the error across the line of sight; a can's rotation is that of its axis. Lost runs (wrong by "
+        "noise. lateral: RMS length of the error across the line of sight; a can's rotation is that of its axis. Lost runs (wrong by "
         "20 px or 15 degrees) are left out. The bound is that of one image; the tracker adds its prediction and the texture learnt, so a "
         "ratio below 1 is no error. Median run: lateral, depth, rotation. "
         "Depth told: RMS of the standard deviation that it reports. Bias: over all runs.",
