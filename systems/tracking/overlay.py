@@ -11,9 +11,19 @@ COLOURS = {"tracking": (60, 220, 60), "uncertain": (0, 190, 255), "lost": (60, 6
 
 
 def draw_overlay(
-    image: np.ndarray, model: CadModel, lens: Lens, X_CO: np.ndarray, state: str, text: str = "", occluders_C=None
+    image: np.ndarray,
+    model: CadModel,
+    lens: Lens,
+    X_CO: np.ndarray,
+    state: str,
+    text: str = "",
+    occluders_C=None,
+    line: int = 0,
 ) -> np.ndarray:
-    """A copy of the image (h, w[, 3]) as BGR with the visible edges at X_CO in the state's colour; of a lost object no edges."""
+    """A copy of the image (h, w[, 3]) as BGR with the visible edges at X_CO in the state's colour; of a lost object no edges.
+
+    The text and the state stand in the ``line``-th line of the corner.
+    """
     canvas = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if image.ndim == 2 else image.copy()
     colour = COLOURS.get(state, (255, 255, 255))
     if state != "lost":
@@ -21,14 +31,14 @@ def draw_overlay(
         x, y = np.round(nodes.pixel).astype(int).T
         for dx, dy in ((0, 0), (1, 0), (0, 1)):
             canvas[np.minimum(y + dy, len(canvas) - 1), np.minimum(x + dx, canvas.shape[1] - 1)] = colour
-    _write(canvas, f"{text} {state}".strip(), colour)
+    _write(canvas, f"{text} {state}".strip(), colour, line)
     return canvas
 
 
-def _write(canvas: np.ndarray, text: str, colour: tuple[int, int, int]) -> None:
+def _write(canvas: np.ndarray, text: str, colour: tuple[int, int, int], line: int) -> None:
     """Text in the corner with a dark rim: the same glyphs shifted, as a bolder font may be wider."""
     scale = max(canvas.shape[1] / 1280.0, 0.4)
-    x, y = int(12 * scale) + 2, int(34 * scale) + 4
+    x, y = int(12 * scale) + 2, int((34 + 40 * line) * scale) + 4
     rim = [((dx, dy), (0, 0, 0)) for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
     for (dx, dy), shade in (*rim, ((0, 0), colour)):
         cv2.putText(canvas, text, (x + dx, y + dy), cv2.FONT_HERSHEY_SIMPLEX, 1.1 * scale, shade, 1, cv2.LINE_AA)

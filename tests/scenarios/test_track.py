@@ -11,7 +11,8 @@ import yaml
 from drawn_objects import LENS, box, picture, pose_at
 
 from vipr.scenarios.command import main
-from vipr.scenarios.recorded_tracking import FIELDS, track_images
+from vipr.scenarios.followed import FIELDS, Target
+from vipr.scenarios.recorded_tracking import track_images
 from vipr.systems import se3
 from vipr.systems.camera.image_files import ImageSequence, list_images, read_image
 from vipr.systems.errors import InputError
@@ -80,6 +81,27 @@ def test_it_writes_poses_video_and_summary(recording, tmp_path, capsys):
     green = pictures[3].astype(int)
     assert ((green[..., 1] - green[..., 2]) > 60).sum() > 50  # the model is drawn
     assert sorted(p.name for p in out.iterdir()) == ["overlay.mp4", "poses.csv", "summary.json"]
+
+
+def test_several_objects_are_followed_at_once_each_with_a_table_of_its_own(recording, tmp_path, capsys):
+    left, right = (se3.pose(np.eye(3), [x, 0.0, 0.15]) for x in (-0.09, 0.09))
+    truth = [(left @ pose_at(0.04 * k), right @ pose_at(0.0)) for k in range(FRAMES)]
+    for k, poses in enumerate(truth):
+        cv2.imwrite(str(recording / "images" / f"{k}.png"), np.maximum(*(picture(box(), X) for X in poses)))
+    for name, X_CO in zip(("initial-pose", "beside"), truth[0], strict=True):
+        (recording / f"{name}.yaml").write_text(yaml.safe_dump({"X_CO": X_CO.tolist()}))
+    words, out = arguments(recording, tmp_path / "out"), tmp_path / "out"
+    another = ["--model", str(recording / "object.obj"), "--initial-pose", str(recording / "beside.yaml")]
+    assert run([*words, *another]) == 0
+    assert "object-2: 6 frames: 6 tracking" in capsys.readouterr().out
+    files = ["overlay.mp4", "poses-object-2.csv", "poses-object.csv", "summary.json"]
+    assert sorted(p.name for p in out.iterdir()) == files
+    summary = json.loads((out / "summary.json").read_text())
+    assert [one["tracking"] for one in summary["objects"]] == [FRAMES, FRAMES] and summary["complete"]
+    for file, X_CO in zip(("poses-object.csv", "poses-object-2.csv"), truth[-1], strict=True):
+        assert np.allclose(read_poses(out / file)[FRAMES - 1], X_CO, atol=1e-2)
+    assert run([*words, *another[:2]]) == 2
+    assert "got 2 models, 1 initial poses, 0 references" in capsys.readouterr().err
 
 
 def test_without_video_none_is_written_and_settings_are_obeyed(recording, tmp_path, capsys):
@@ -155,7 +177,7 @@ def test_what_is_interrupted_keeps_what_it_has(recording, tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     with pytest.raises(KeyboardInterrupt):
-        track_images(ImageSequence(str(recording / "images")), box(), LENS, pose_at(0.0), out, progress=stop)
+        track_images(ImageSequence(str(recording / "images")), [Target(box(), pose_at(0.0))], LENS, out, progress=stop)
     assert len(read_poses(out / "poses.csv")) == 3
     assert not json.loads((out / "summary.json").read_text())["complete"]
     assert (out / "overlay.mp4").stat().st_size > 0
