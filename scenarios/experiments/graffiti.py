@@ -91,7 +91,7 @@ ROWS = {  # of Table II, and this program's own models
     "position": f"{STATES} states, image position",
     "velocity": f"{STATES} states, image velocity",
     "combined": f"{STATES} states, position and velocity",
-    "default": "this program's models",
+    "default": "default recogniser",
 }
 
 

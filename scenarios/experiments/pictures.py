@@ -8,7 +8,7 @@ from vipr.scenarios.experiments.evaluation import confusion
 
 
 def confusion_picture(truth: np.ndarray, answer: np.ndarray, path: Path, title: str) -> None:
-    """Write a confusion matrix in percent of each row; right answers in grey, errors in red with their number."""
+    """Write a confusion matrix in numbers: right answers in grey, errors in red, shaded by their share of the row."""
     figure, axes = _figure(0.30 * len(np.unique(truth)) + 2.4)
     counts, labels = confusion(np.asarray(truth, str), np.asarray(answer, str))
     share = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1)
@@ -18,12 +18,12 @@ def confusion_picture(truth: np.ndarray, answer: np.ndarray, path: Path, title: 
     wrong = ~right & (counts > 0)
     colour[wrong] = np.array([1.0, 0.85, 0.8]) * (1 - np.minimum(4 * share[wrong], 1)[:, None] * [0.0, 0.75, 0.85])
     axes.imshow(colour)
-    for i, j in np.argwhere(wrong):
-        axes.text(j, i, counts[i, j], ha="center", va="center", fontsize=6)
+    for i, j in np.argwhere(counts > 0):
+        axes.text(j, i, counts[i, j], ha="center", va="center", fontsize=6, color="white" if i == j else "black")
     long = max(map(len, labels)) > 2
     axes.set_xticks(range(len(labels)), labels, rotation=90 if long else 0, fontsize=8)
     axes.set_yticks(range(len(labels)), labels, fontsize=8)
-    axes.set_xlabel("recognised as")
+    axes.set_xlabel("recognised as [number of sequences]")
     axes.set_ylabel("made")
     axes.set_title(title, fontsize=10)
     _save(figure, path)
