@@ -14,7 +14,7 @@ from vipr.systems.grasping.pick import Picker
 from vipr.systems.grasping.task import PickTask
 from vipr.systems.tracking.annotator import PoseAnnotator
 from vipr.systems.tracking.cad_model import CadModel
-from vipr.systems.tracking.model_tracking import TrackerSettings
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import TrackingError
 

@@ -20,7 +20,7 @@ from vipr.systems.servo.tasks import Task
 from vipr.systems.tracking.annotator import PoseAnnotator
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.known_view import KnownView
-from vipr.systems.tracking.model_tracking import TrackerSettings
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
 from vipr.systems.truth import TrackingError
 

@@ -13,8 +13,8 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.signals import CameraFrame
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.evaluation import COLUMNS, compare
-from vipr.systems.tracking.model_tracking import TrackerSettings
 from vipr.systems.tracking.overlay import draw_overlay
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.tracker import ModelTracker
 
 STATES = ("tracking", "uncertain", "lost")

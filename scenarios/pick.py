@@ -29,7 +29,7 @@ from vipr.systems.recording.channels import ImageChannel, JointChannel, PoseChan
 from vipr.systems.recording.history import History
 from vipr.systems.recording.plots import Line, Plot, PosePlot
 from vipr.systems.tracking.cad_model import load_model
-from vipr.systems.tracking.model_tracking import TrackerSettings
+from vipr.systems.tracking.settings import TrackerSettings
 
 JOINTS = tuple(f"joint_{i}" for i in range(1, 7))
 FINGERS = ("finger_1", "finger_2", "finger_3")

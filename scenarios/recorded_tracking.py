@@ -21,7 +21,7 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.recording.video import VideoWriter
 from vipr.systems.signals import CameraFrame
-from vipr.systems.tracking.model_tracking import TrackerSettings
+from vipr.systems.tracking.settings import TrackerSettings
 
 
 def track_images(

@@ -35,7 +35,7 @@ from vipr.systems.servo.target_filter import TargetMotion
 from vipr.systems.servo.tasks import Task
 from vipr.systems.tracking.cad_model import load_model
 from vipr.systems.tracking.known_view import KnownView
-from vipr.systems.tracking.model_tracking import TrackerSettings
+from vipr.systems.tracking.settings import TrackerSettings
 
 AXES = ("rx", "ry", "rz", "x", "y", "z")
 ERROR_UNITS = ("rad",) * 3 + ("m",) * 3

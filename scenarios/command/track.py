@@ -58,7 +58,7 @@ def track(
     from vipr.systems.errors import InputError
     from vipr.systems.tracking.cad_model import load_model
     from vipr.systems.tracking.evaluation import read_pose, read_poses
-    from vipr.systems.tracking.model_tracking import TrackerSettings
+    from vipr.systems.tracking.settings import TrackerSettings
 
     settings = load_settings(TrackerSettings, None, set_ or [])
     if len(initial_pose) != len(model) or len(reference) not in (0, len(model)):

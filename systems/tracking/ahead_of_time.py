@@ -5,9 +5,10 @@ import numpy as np
 
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking.belief import start
 from vipr.systems.tracking.cad_model import Shape, build_model
 from vipr.systems.tracking.displacements import move
-from vipr.systems.tracking.model_tracking import start, step
+from vipr.systems.tracking.model_tracking import step
 
 LENS = Lens(320, 240, 400.0, 400.0, 159.5, 119.5)
 SIDE = 64  # px of a face's print

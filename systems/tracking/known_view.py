@@ -13,7 +13,9 @@ from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.cad_model import CadModel
-from vipr.systems.tracking.keyframes import HALF, LEVELS, Keyframe, learn_keyframe, pyramid
+from vipr.systems.tracking.keyframes import Keyframe
+from vipr.systems.tracking.learning import learn_keyframe
+from vipr.systems.tracking.looks import HALF, LEVELS, pyramid
 from vipr.systems.tracking.normal_flow import cut_patch
 
 MARGIN = HALF * 2**LEVELS  # px around the object that its coarsest patches look at

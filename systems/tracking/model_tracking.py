@@ -1,4 +1,4 @@
-"""The model-based tracker of the paper (III-B, Fig. 6) as two pure functions: ``start`` and ``step``.
+"""The model-based tracker of the paper (III-B, Fig. 6) as a pure function, ``step``.
 
 One step: predict the motion; align the texture learnt so far, or, without it, fit an affine motion to the normal flow and search the pose
 on the gradients; finish by Gauss-Newton on the edges; weigh the evidence; if it is thin, try again from other starts; learn.
@@ -6,22 +6,24 @@ Frames: O object, C camera (x right, y down, z forward); displacements d = (w, v
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
-from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.acquire import acquire, elsewhere, look_around, remembered
+from vipr.systems.tracking.belief import Belief
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.covered import given_up, uncovered
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
-from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe, learn_keyframe
+from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe
+from vipr.systems.tracking.learning import learn_keyframe
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle, surprise
 from vipr.systems.tracking.overrule import doubt, outdone, overrule, preferred
 from vipr.systems.tracking.search import attempt
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.sight import Attempt, Sight
 from vipr.systems.tracking.texture import correlation_at
 
@@ -33,98 +35,6 @@ LEARN_EVERY = 5  # frames between attempts to learn the texture of an object tha
 LEARNT = 12  # keyframes, beside those that are known beforehand: the last so many are kept
 RECALL_EVERY = 2  # frames between searches of the whole image for an object that was lost
 LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
-
-
-@dataclass(frozen=True)
-class TrackerSettings:
-    """Every part of the tracker; each switch turns one part off for comparison."""
-
-    nodes: int = 200  # tracking nodes, at most
-    spacing: float = 3.0  # px, smallest interval of nodes
-    reach: float = 14.0  # px, search along the normal where nothing else has found the object yet
-    fine_reach: float = 5.0  # px, in the last passes
-    contrast: float = 3.0  # grey levels, weakest edge that is looked at
-    hypotheses: int = 4  # edges kept for each node
-    prediction: bool = True  # constant-velocity filter; else the last pose is the start
-    affine: bool = True  # affine motion of the nodes before the pose (eq. 26 to 34)
-    quadratic: bool = False  # quadratic instead of affine
-    gradient_fit: bool = True  # discrete search on the gradients (eq. 35)
-    dynamic_step: bool = True  # whose steps follow the velocity
-    texture: bool = True  # patches learnt while tracking
-    patches: int = 64  # of a keyframe
-    sharp: bool = True  # last pass with a sharp derivative: print beside an edge does not pull it
-    colour: bool = True  # edges by the strongest colour channel; else by grey
-    quantised_normals: bool = False  # the paper's 0, 45, 90, 135 degrees and whole pixels
-    second_try: bool = True  # other starts and longer searches when the evidence is thin
-    rivals: bool = True  # other poses near the one found that fit more closely
-    start_search: bool = True  # look around a pose that was given, which may be tens of pixels off
-    recall: bool = True  # look for a lost object in the whole image, by what it looked like
-    initial_px: float = 1.0  # px, how well a given pose places the model's corners if it is good
-    model_error: float = 0.02  # px, least error of an edge of the model, common to its nodes
-    round_error: float = 0.05  # px, the same of limbs and rims, beside which there is shading
-    spin_noise: float = 30.0  # rad/s^2, RMS angular acceleration expected
-    speed_noise: float = 4.0  # m/s^2, RMS acceleration expected
-
-    def __post_init__(self):
-        for name, value in vars(self).items():
-            if not isinstance(value, bool) and not (np.isfinite(value) and value > 0):
-                raise InputError(f"tracker settings: {name} must be positive, got {value}")
-
-
-@dataclass(frozen=True, eq=False)
-class Belief:
-    """All that a tracker knows between frames."""
-
-    motion: Motion = field(default_factory=Motion)
-    state: str = "lost"  # tracking | uncertain | lost
-    score: float = 0.0  # 0 to 1, probability that the pose is right
-    nodes: int = 0  # edge nodes that support the pose
-    residual_px: float = float("nan")  # robust RMS
-    time: float = 0.0  # s, of the last frame
-    number: int = -1  # of the last frame
-    keyframes: tuple[Keyframe, ...] = ()
-    X_CO_given: np.ndarray | None = None  # a pose from outside that no frame has been compared with yet
-    X_CO_good: np.ndarray | None = None  # the last pose that was tracked
-    doubtful: int = 0  # frames in a row that were not tracked
-    started: bool = False  # whether an initial pose was ever given
-    # 0.08 to 1, how unsteadily it has moved lately, as a share of the accelerations of the settings.
-    agility: float = 1.0
-    # (6, 6) of the pose, what is the same from frame to frame and does not average out in the motion's covariance.
-    shared: np.ndarray = field(default_factory=lambda: np.zeros((6, 6)))
-    closeness: float = 0.75  # 0 to 1, how closely its edges have fitted of late; at first, how closely they might
-
-    def __deepcopy__(self, memo):
-        return self  # immutable: a context clone copies nothing
-
-    @property
-    def X_CO(self) -> np.ndarray:
-        return self.motion.X_CO
-
-    @property
-    def V_CO(self) -> np.ndarray:
-        return self.motion.V_CO
-
-    @property
-    def covariance(self) -> np.ndarray:
-        """(6, 6) of (rotation, translation) in C."""
-        return self.motion.covariance[:6, :6] + self.shared
-
-
-def start(X_CO: np.ndarray, time: float = 0.0, number: int = -1, keyframes: tuple[Keyframe, ...] = ()) -> Belief:
-    """Belief in an object at rest at a pose given from outside, with keyframes that are known already (see ``known_view``).
-
-    Raises InputError for what is no pose before the camera.
-    """
-    X_CO = np.asarray(X_CO, float)
-    if not se3.is_pose(X_CO):
-        raise InputError("initial pose: X_CO must be a finite 4x4 rigid motion (rotation orthonormal to 1e-3)")
-    if X_CO[2, 3] <= 0:
-        raise InputError(f"initial pose: the object must be in front of the camera (z > 0), got z = {X_CO[2, 3]:.4g} m")
-    U, _, Vt = np.linalg.svd(X_CO[:3, :3])
-    X_CO = se3.pose(U @ Vt, X_CO[:3, 3])
-    return Belief(
-        at_rest(X_CO), "uncertain", time=time, number=number, keyframes=keyframes, X_CO_given=X_CO, started=True
-    )
 
 
 def step(

@@ -12,7 +12,8 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.pose.estimate import estimate_pose
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.displacements import corner_shift
-from vipr.systems.tracking.keyframes import Keyframe, keypoints, surface_points
+from vipr.systems.tracking.keyframes import Keyframe, keypoints
+from vipr.systems.tracking.surface import surface_points
 
 LIKE = 0.8  # distance of the best match, as a share of that of the second best, at most
 ENOUGH = 8  # matches, and of them believed, that a pose needs

@@ -7,7 +7,8 @@ import numpy as np
 from vipr.systems.camera.lens import Lens
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.diagnosis import Evidence
-from vipr.systems.tracking.keyframes import Keyframe, pyramid
+from vipr.systems.tracking.keyframes import Keyframe
+from vipr.systems.tracking.looks import pyramid
 from vipr.systems.tracking.motion_filter import Motion, surprise
 from vipr.systems.tracking.normal_flow import cut_patch
 from vipr.systems.tracking.small_algebra import invert

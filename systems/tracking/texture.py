@@ -15,7 +15,8 @@ from vipr.systems.camera.lens import Lens
 from vipr.systems.compiled import compiled
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.displacements import difference, move, pixel_derivatives, turned
-from vipr.systems.tracking.keyframes import HALF, Keyframe, contrast_floor, normalise, sample_patch
+from vipr.systems.tracking.keyframes import Keyframe
+from vipr.systems.tracking.looks import HALF, contrast_floor, normalise, sample_patch
 from vipr.systems.tracking.normal_flow import Patch
 from vipr.systems.tracking.occlusion import hidden_behind
 from vipr.systems.tracking.small_algebra import dot6, kth_smallest, mirror, solve

@@ -9,9 +9,11 @@ from pydrake.systems.framework import LeafSystem
 from vipr.systems.camera.lens import Lens
 from vipr.systems.signals import CameraFrame, ObjectPose, Occluders
 from vipr.systems.timing import LEDGER
+from vipr.systems.tracking.belief import Belief, start
 from vipr.systems.tracking.cad_model import CadModel
 from vipr.systems.tracking.known_view import KnownView, known_keyframe
-from vipr.systems.tracking.model_tracking import Belief, TrackerSettings, start, step
+from vipr.systems.tracking.model_tracking import step
+from vipr.systems.tracking.settings import TrackerSettings
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,10 @@ from vipr.scenarios.bench.tracking.workbench import OBJECTS, UPRIGHT, Run, Workb
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems import se3
+from vipr.systems.tracking.belief import start
 from vipr.systems.tracking.displacements import normal_jacobian
 from vipr.systems.tracking.edge_pass import placed_edges
-from vipr.systems.tracking.model_tracking import TrackerSettings, start
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.sight import Sight
 from vipr.systems.tracking.visible_edges import visible_nodes
 

@@ -11,7 +11,9 @@ from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems import se3
 from vipr.systems.signals import CameraFrame
-from vipr.systems.tracking.model_tracking import TrackerSettings, start, step
+from vipr.systems.tracking.belief import start
+from vipr.systems.tracking.model_tracking import step
+from vipr.systems.tracking.settings import TrackerSettings
 
 KINDS = ("teleported", "hidden", "dark", "swapped")
 BEFORE, AFTER = 10, 6  # frames

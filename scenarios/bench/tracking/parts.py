@@ -7,7 +7,7 @@ from vipr.scenarios.bench.tables import Table
 from vipr.scenarios.bench.tracking import fig11
 from vipr.scenarios.bench.tracking.handheld import shaken
 from vipr.scenarios.bench.tracking.workbench import BOXES, Workbench
-from vipr.systems.tracking.model_tracking import TrackerSettings
+from vipr.systems.tracking.settings import TrackerSettings
 
 TURNS = (90.0, 180.0)  # deg/s
 GLIDES = (0.4, 0.8, 1.2)  # m/s

@@ -13,9 +13,11 @@ from vipr.systems import se3
 from vipr.systems.camera.image_files import ImageSequence
 from vipr.systems.camera.lens import load_lens
 from vipr.systems.errors import InputError
+from vipr.systems.tracking.belief import start
 from vipr.systems.tracking.cad_model import load_model
 from vipr.systems.tracking.evaluation import FOLLOWED_DEG, FOLLOWED_PX, compare, corner_distances, read_pose, read_poses
-from vipr.systems.tracking.model_tracking import TrackerSettings, start, step
+from vipr.systems.tracking.model_tracking import step
+from vipr.systems.tracking.settings import TrackerSettings
 
 REPEATS = 3
 OTHERS = {"visp_edge": "ViSP 3.5 edges", "visp_edge_klt": "ViSP 3.5 edges + KLT", "opencv_rapid": "OpenCV RAPID"}

@@ -10,7 +10,7 @@ from vipr.scenarios.bench.tracking.workbench import OFF, RATE, ROUNDS, Run, Work
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems import se3
-from vipr.systems.tracking.model_tracking import TrackerSettings
+from vipr.systems.tracking.settings import TrackerSettings
 
 WRONG_MM, WRONG_DEG = 20.0, 5.0
 FAR_MM = 8.0  # depth by which a pose is wrong

@@ -15,12 +15,13 @@ from vipr.scenarios.bench.tracking.workbench import BOXES, RATE, UNPRINTED, XC77
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems.camera.lens import Lens
-from vipr.systems.tracking import model_tracking
-from vipr.systems.tracking.model_tracking import TrackerSettings
+from vipr.systems.tracking.belief import start
+from vipr.systems.tracking.model_tracking import step
+from vipr.systems.tracking.settings import TrackerSettings
 
 REPEATS = 5
 STEPS = 14  # shown
-WHOLE = (model_tracking.start, model_tracking.step)
+WHOLE = (start, step)
 
 
 def run(bench: Workbench) -> Iterator[Table]:
@@ -56,8 +57,8 @@ def _tables(bench):
     count, whole = len(result.ms), sum(result.ms)
     steps = Table("Time by step (with the clocks' own cost)", ("step", "calls a frame", "ms a frame", "share"))
     shown = sorted(spent.items(), key=lambda item: -item[1][1])[:STEPS]
-    for step, (calls, seconds) in shown:
-        steps.rows.append((step, calls / count, 1e3 * seconds / count, f"{1e3 * seconds / whole:.0%}"))
+    for function, (calls, seconds) in shown:
+        steps.rows.append((function, calls / count, 1e3 * seconds / count, f"{1e3 * seconds / whole:.0%}"))
     rest = whole - 1e3 * sum(s for _, (_, s) in shown)
     steps.rows.append(("the rest", float("nan"), rest / count, f"{rest / whole:.0%}"))
     yield steps

@@ -17,9 +17,11 @@ from vipr.scenarios.sequences.scenery import Mesh
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.signals import CameraFrame
+from vipr.systems.tracking.belief import Belief, start
 from vipr.systems.tracking.cad_model import CadModel, load_model
 from vipr.systems.tracking.evaluation import FOLLOWED_DEG, FOLLOWED_PX, corner_distances
-from vipr.systems.tracking.model_tracking import Belief, TrackerSettings, start, step
+from vipr.systems.tracking.model_tracking import step
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.triangulation import cylinder_triangles
 
 XC77 = Lens(640, 480, 1948.05, 1923.08, 319.5, 239.5)

@@ -14,7 +14,7 @@ from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems import se3
 from vipr.systems.errors import InputError
-from vipr.systems.tracking.model_tracking import start
+from vipr.systems.tracking.belief import start
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,8 @@ from numba.core.registry import CPUDispatcher
 
 from vipr.systems.signals import Occluders
 from vipr.systems.tracking.ahead_of_time import compile_tracker
-from vipr.systems.tracking.model_tracking import start, step
+from vipr.systems.tracking.belief import start
+from vipr.systems.tracking.model_tracking import step
 
 
 def compiled_signatures():

@@ -6,9 +6,10 @@ import pytest
 from vipr.systems import se3
 from vipr.systems.errors import InputError
 from vipr.systems.tracking.ahead_of_time import CORNERS, FACES, LENS, picture
+from vipr.systems.tracking.belief import start
 from vipr.systems.tracking.cad_model import Shape, build_model
 from vipr.systems.tracking.known_view import KnownView, known_keyframe
-from vipr.systems.tracking.model_tracking import start, step
+from vipr.systems.tracking.model_tracking import step
 
 TOO_LARGE = build_model(Shape("box", 1.004 * CORNERS, FACES))
 X_SHOWN = se3.pose(se3.exp_so3(np.array([0.5, 0.6, 0.1])), np.array([0.0, 0.0, 0.5]))

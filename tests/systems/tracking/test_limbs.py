@@ -5,11 +5,12 @@ import pytest
 
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking.belief import start
 from vipr.systems.tracking.cad_model import Shape, build_model
 from vipr.systems.tracking.displacements import normal_jacobian
 from vipr.systems.tracking.edge_pass import placed_edges
 from vipr.systems.tracking.limbs import UNSURE
-from vipr.systems.tracking.model_tracking import TrackerSettings, start
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.sight import Sight
 from vipr.systems.tracking.visible_edges import visible_nodes
 

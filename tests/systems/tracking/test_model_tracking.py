@@ -9,9 +9,11 @@ from drawn_objects import LENS, box, picture, pose_at
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.errors import InputError
+from vipr.systems.tracking.belief import Belief, start
 from vipr.systems.tracking.cad_model import Shape, build_model
 from vipr.systems.tracking.displacements import corner_shift
-from vipr.systems.tracking.model_tracking import Belief, TrackerSettings, start, step
+from vipr.systems.tracking.model_tracking import step
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.triangulation import box_triangles
 
 BLANK = np.full((LENS.height, LENS.width), 90, np.uint8)

@@ -6,11 +6,13 @@ import numpy as np
 
 from vipr.systems import se3
 from vipr.systems.tracking.ahead_of_time import CORNERS, FACES, LENS, picture
+from vipr.systems.tracking.belief import start
 from vipr.systems.tracking.cad_model import Shape, build_model
 from vipr.systems.tracking.diagnosis import TRACKING, Evidence
 from vipr.systems.tracking.displacements import corner_shift, move
-from vipr.systems.tracking.keyframes import learn_keyframe, pyramid
-from vipr.systems.tracking.model_tracking import start, step
+from vipr.systems.tracking.learning import learn_keyframe
+from vipr.systems.tracking.looks import pyramid
+from vipr.systems.tracking.model_tracking import step
 from vipr.systems.tracking.normal_flow import cut_patch
 from vipr.systems.tracking.overrule import doubt, preferred
 from vipr.systems.tracking.sight import Attempt

@@ -8,7 +8,9 @@ from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
 from vipr.systems.tracking.displacements import corner_shift, difference, move, normal_jacobian, point_jacobian
 from vipr.systems.tracking.gradient_fit import fit_gradients, search_steps
-from vipr.systems.tracking.keyframes import choose_keyframe, learn_keyframe, pyramid
+from vipr.systems.tracking.keyframes import choose_keyframe
+from vipr.systems.tracking.learning import learn_keyframe
+from vipr.systems.tracking.looks import pyramid
 from vipr.systems.tracking.motion_filter import at_rest, correct, predict, settle
 from vipr.systems.tracking.normal_flow import Matches, cut_patch
 from vipr.systems.tracking.pose_fit import Prior, fit_points, fit_pose

@@ -8,13 +8,16 @@ import pytest
 
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking.belief import start
 from vipr.systems.tracking.cad_model import Shape, build_model
 from vipr.systems.tracking.covered import given_up, uncovered
 from vipr.systems.tracking.displacements import corner_shift
-from vipr.systems.tracking.keyframes import learn_keyframe, pyramid
-from vipr.systems.tracking.model_tracking import TrackerSettings, start, step
+from vipr.systems.tracking.learning import learn_keyframe
+from vipr.systems.tracking.looks import pyramid
+from vipr.systems.tracking.model_tracking import step
 from vipr.systems.tracking.normal_flow import cut_patch
 from vipr.systems.tracking.recall import recall
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.sight import Sight
 
 LENS = Lens(320, 240, 400.0, 400.0, 159.5, 119.5)

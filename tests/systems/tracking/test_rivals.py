@@ -8,13 +8,16 @@ import pytest
 
 from vipr.systems import se3
 from vipr.systems.camera.lens import Lens
+from vipr.systems.tracking.belief import start
 from vipr.systems.tracking.cad_model import Shape, build_model
 from vipr.systems.tracking.diagnosis import Evidence
 from vipr.systems.tracking.displacements import corner_shift, move
-from vipr.systems.tracking.keyframes import learn_keyframe, pyramid
-from vipr.systems.tracking.model_tracking import TrackerSettings, start, step
+from vipr.systems.tracking.learning import learn_keyframe
+from vipr.systems.tracking.looks import pyramid
+from vipr.systems.tracking.model_tracking import step
 from vipr.systems.tracking.normal_flow import cut_patch
 from vipr.systems.tracking.overrule import outdone
+from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.sight import Attempt, Sight
 
 LENS = Lens(320, 240, 500.0, 500.0, 159.5, 119.5)
