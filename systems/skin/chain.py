@@ -87,6 +87,7 @@ def see_skin(
     skin = classify(small, colours, model, options)
     if options.classifier == "ratio" and model.share < 0.6:
         skin = _moving(skin, colours, still)
+    by_colour = skin
     if options.still_scene:
         skin = without_still(skin, stood)
     mark("segmentation")
@@ -101,7 +102,7 @@ def see_skin(
     if cut or time - learned >= LEARN_EVERY - 1e-6:
         since, learned = (0.04 if cut else min(time - learned, 0.5)), time
         known = None if anew else tracks
-        still, model = learn(model, colours, skin, labels, found, still, known, scale, since, options)
+        still, model = learn(model, colours, skin, by_colour, labels, found, still, known, scale, since, options)
         mark("learning")
     regions = _regions(found, labels, boxes, still, scale, image.shape, cut=anew, time=time, number=number)
     return SkinBelief(model, still, gains, light, regions, learned)

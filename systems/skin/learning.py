@@ -1,5 +1,7 @@
 """What a frame teaches: skin from face and moving hands, the rest from everywhere else, the still scene from what stays."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
@@ -8,16 +10,18 @@ from vipr.systems.signals import HandTracks
 from vipr.systems.skin import colour_model, scene
 from vipr.systems.skin.chromaticity import G_BINS, R_BINS, Chromaticity, histogram, lookup
 from vipr.systems.skin.colour_model import doubt_table
-from vipr.systems.skin.regions import Found
+from vipr.systems.skin.density import components, density
+from vipr.systems.skin.regions import Found, describe
 from vipr.systems.skin.scene import Scene
+from vipr.systems.skin.working_image import odd, unit
 
 SURE_FACE = 0.25  # looks of a face, from which the person is known
 SOME_MARKS, COMPACT = 0.1, 2.2  # of a head that is not known yet; its area over that of the largest disc in it
 STIRRED = 0.3  # of a patch that moved in the last seconds, from which all of it is alive
 
 
-def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, options):
-    """The still scene and the colour model after ``dt`` s.
+def learn(model, colours, skin, by_colour, labels, found: Found, still, tracks, scale, dt, options):
+    """The still scene and the colour model after ``dt`` s; ``by_colour`` (h, w) uint8 is skin before what is still was taken from it.
 
     Skin is learned from the face and from what moves in the person's regions, the rest from outside them and from the still scene.
     """
@@ -31,7 +35,7 @@ def learn(model, colours, skin, labels, found: Found, still, tracks, scale, dt, 
                 head = _person_pixels(labels, _may_be_heads(found))
                 kept, on_person = kept | head, on_person | head
             if found.faceness.max(initial=0.0) < SURE_FACE:
-                awake = stirring(colours, still)
+                awake = stirring(colours, still) | sleeping_head(by_colour, colours, still, found)
                 kept, on_person = kept | awake, on_person | awake
                 still = scene.forget(still, awake)
         still = scene.settle(still, colours, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
@@ -62,6 +66,22 @@ def stirring(colours: Chromaticity, still: Scene) -> np.ndarray:
     return awake.astype(np.uint8)[labels]
 
 
+def sleeping_head(by_colour: np.ndarray, colours: Chromaticity, still: Scene, found: Found) -> np.ndarray:
+    """(h, w) uint8, 1 on the patch of skin's colour above all that moves which looks most like a face, if one does.
+
+    A head that nobody knew while it kept still, before wood of nearly its colour, has become a thing of the room.
+    """
+    moves = (found.person > 0.5) & (found.moving > 0.3)
+    nothing = np.zeros(by_colour.shape, np.uint8)
+    if not moves.any():
+        return nothing
+    u = unit(by_colour.shape)
+    labels, _, boxes = components(density(by_colour, odd(3.4 * u)), 120, 40.0 * u * u, 6)
+    asleep = describe(labels, boxes, by_colour, colours.luma, replace(still, sure=np.zeros_like(still.sure)))
+    looks = asleep.faceness * (_compact(asleep) & (asleep.centres[:, 1] < found.centres[moves, 1].min()))
+    return nothing if looks.max(initial=0.0) < SURE_FACE else np.uint8(labels == int(np.argmax(looks)) + 1)
+
+
 def _like(face: np.ndarray) -> np.ndarray:
     """Table (R_BINS, G_BINS) uint8, 1 at colours near those in the histogram of a face: hands are much like it, sleeves seldom."""
     near = cv2.GaussianBlur(face, (0, 0), 3.0)
@@ -89,8 +109,12 @@ def _may_be_heads(found: Found) -> np.ndarray:
     moves = (found.person > 0.5) & (found.moving > 0.3)
     if not moves.any():
         return moves
-    compact = found.areas < COMPACT * np.pi * np.maximum(found.cores[:, 2], 1.0) ** 2
-    return compact & (found.faceness > SOME_MARKS) & (found.centres[:, 1] < found.centres[moves, 1].min())
+    return _compact(found) & (found.faceness > SOME_MARKS) & (found.centres[:, 1] < found.centres[moves, 1].min())
+
+
+def _compact(found: Found) -> np.ndarray:
+    """(n,) bool, of regions that are about as wide as high."""
+    return found.areas < COMPACT * np.pi * np.maximum(found.cores[:, 2], 1.0) ** 2
 
 
 def _person_pixels(labels: np.ndarray, person: np.ndarray) -> np.ndarray:
