@@ -23,6 +23,7 @@ from vipr.systems.hands.parts import (
 PIECE = 0.2  # of the face, below which a region within a hand's length of a hand is a piece of it
 SOME_MARKS = 0.1  # of a face, without which nothing becomes one only by being on top
 ON_TRIAL = 25  # frames for which a face has been followed, up to which it may have been a hand
+CUT_HEAD = 1.3  # times as large as it looks is a head that the upper border cuts
 WAIT = 0.5  # s, in which something better than what just looks a little like a face should show
 
 
@@ -72,7 +73,7 @@ def _possible_hands(free: list[Candidate], face: Track | None, u: float) -> list
     if face is None:
         hands = [r for r in free if r.person > 0.5]
     else:  # a hand is not many times the size of the face, nor a speck beside it, nor out of reach, nor the neck
-        radius = face.head_radius
+        radius = face.head_radius * _cut(face)
 
         def possible(r):
             dx, dy = (r.centre[0] - face.filter.x) / radius, (r.centre[1] - face.filter.y) / radius
@@ -117,9 +118,14 @@ def _near(t: Track, r: Candidate, tracks: dict) -> bool:
     return bool(np.hypot(r.centre[0] - t.filter.x, r.centre[1] - t.filter.y) < head)
 
 
+def _cut(face: Track) -> float:
+    """How many times larger than it looks the head is: one that the upper border cuts."""
+    return CUT_HEAD if face.filter.y < 0.55 * face.head_height else 1.0
+
+
 def _hangs(r: Candidate, face: Track) -> bool:
     """Whether a still region is where a hanging arm or resting hand would be."""
-    head = face.head_height
+    head = face.head_height * _cut(face)
     across, down = abs(r.centre[0] - face.filter.x) / head, (r.centre[1] - face.filter.y) / head
     return bool(0.4 < across < 2.0 and 1.5 < down < 5.0)
 

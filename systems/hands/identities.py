@@ -9,6 +9,7 @@ from vipr.systems.hands.parts import HEAD, SMALLEST_HEAD, born
 MIND_SIDES = 0.6  # s on the wrong sides, beyond those on the right ones, after which hands exchange names
 DOUBT = 0.6  # s for which a face has been where hands are and looked like none, beyond those it did, after which it is given up
 UNLIKELY = 0.36  # headlike below which a face may be a hand
+ON_TOP, WIDER = 0.25, 1.1  # headlike that a region gains above all parts; times the half-width of the face below, from which it does
 RESTLESS = 6.0  # half-widths of a head a second: hands are often faster, heads seldom
 ELBOWS = 0.25  # s of the same where both arms are bare: elbows hardly ever cross
 YOUNG = 25  # frames for which a hand has been followed, up to which only its side says which it is
@@ -27,6 +28,8 @@ def settle_face(
     looks = {n: t.headlike for n, t in tracks.items() if n != "face" and t.unseen == 0 and not t.shared}
     smallest = max(SMALLEST_HEAD * u, 0.0 if face is None else 0.5 * face.head_radius)
     looks |= {k: r.headlike for k, r in enumerate(free) if r.person > 0.25 and not r.remnant and r.core[2] > smallest}
+    if face is not None:
+        looks |= {k: looks[k] + ON_TOP for k in looks if k not in tracks and _heads_all(free[k], tracks)}
     best = max(looks, key=looks.get, default=None)
     enough = HEAD if face is None or face.unseen > 0 else max(face.headlike + 0.12, 0.8 * HEAD)
     step = min(dt, 0.06)
@@ -43,6 +46,13 @@ def settle_face(
         tracks = {n: t for n, t in tracks.items() if labels[int(t.filter.y + 0.5), int(t.filter.x + 0.5)] != r.row + 1}
         promoted = born("face", *head_of(r, labels, None, None), r, u)
     return {**tracks, "face": promoted}, 0.0, True
+
+
+def _heads_all(r: Candidate, tracks: dict) -> bool:
+    """Whether a region is where a head would be rather than where the face is: above all parts, calm, and wider than the face below."""
+    face, seen = tracks["face"], [t for t in tracks.values() if t.unseen == 0]
+    above = all(r.core[1] + r.core[2] < t.filter.y for t in seen)
+    return above and r.moving < 0.3 and r.core[2] > WIDER * face.head_radius
 
 
 def doubt_face(tracks: dict, free: list[Candidate], doubt: float, dt: float) -> tuple[dict, float]:

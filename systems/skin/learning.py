@@ -35,9 +35,13 @@ def learn(model, colours, skin, by_colour, labels, found: Found, still, tracks, 
                 head = _person_pixels(labels, _may_be_heads(found))
                 kept, on_person = kept | head, on_person | head
             if found.faceness.max(initial=0.0) < SURE_FACE:
-                awake = stirring(colours, still) | sleeping_head(by_colour, colours, still, found)
+                awake = stirring(colours, still)
                 kept, on_person = kept | awake, on_person | awake
                 still = scene.forget(still, awake)
+            head = sleeping_head(by_colour, colours, still, found)
+            if head is not None:
+                kept, on_person = kept | head, on_person | head
+                still = scene.forget(still, head)
         still = scene.settle(still, colours, cv2.dilate(kept, np.ones((3, 3), np.uint8)) > 0, dt)
     if not options.adapt:
         return still, model
@@ -66,20 +70,24 @@ def stirring(colours: Chromaticity, still: Scene) -> np.ndarray:
     return awake.astype(np.uint8)[labels]
 
 
-def sleeping_head(by_colour: np.ndarray, colours: Chromaticity, still: Scene, found: Found) -> np.ndarray:
-    """(h, w) uint8, 1 on the patch of skin's colour above all that moves which looks most like a face, if one does.
+def sleeping_head(by_colour: np.ndarray, colours: Chromaticity, still: Scene, found: Found) -> np.ndarray | None:
+    """(h, w) uint8, 1 on the patch of skin's colour above all that moves which may be a head, or None; none where a face is on top.
 
     A head that nobody knew while it kept still, before wood of nearly its colour, has become a thing of the room.
     """
     moves = (found.person > 0.5) & (found.moving > 0.3)
-    nothing = np.zeros(by_colour.shape, np.uint8)
     if not moves.any():
-        return nothing
+        return None
+    top = found.centres[moves, 1].min()
+    if ((found.faceness > SURE_FACE) & (found.centres[:, 1] <= top)).any():
+        return None
     u = unit(by_colour.shape)
     labels, _, boxes = components(density(by_colour, odd(3.4 * u)), 120, 40.0 * u * u, 6)
     asleep = describe(labels, boxes, by_colour, colours.luma, replace(still, sure=np.zeros_like(still.sure)))
-    looks = asleep.faceness * (_compact(asleep) & (asleep.centres[:, 1] < found.centres[moves, 1].min()))
-    return nothing if looks.max(initial=0.0) < SURE_FACE else np.uint8(labels == int(np.argmax(looks)) + 1)
+    wide = asleep.cores[:, 2] > 0.9 * found.cores[moves, 2].max()  # heads are wider than hands
+    calm = (asleep.moving < 0.1) & (asleep.centres[:, 1] < top)
+    looks = asleep.faceness * (_compact(asleep) & wide & calm)
+    return None if looks.max(initial=0.0) < SOME_MARKS else np.uint8(labels == int(np.argmax(looks)) + 1)
 
 
 def _like(face: np.ndarray) -> np.ndarray:
