@@ -9,7 +9,8 @@ from vipr.systems.hands.parts import HEAD, SMALLEST_HEAD, born
 MIND_SIDES = 0.6  # s on the wrong sides, beyond those on the right ones, after which hands exchange names
 DOUBT = 0.6  # s for which a face has been where hands are and looked like none, beyond those it did, after which it is given up
 UNLIKELY = 0.36  # headlike below which a face may be a hand
-ON_TOP, WIDER = 0.25, 1.1  # headlike that a region gains above all parts; times the half-width of the face below, from which it does
+ON_TOP = 0.25  # headlike that a region gains where a head would be, above all parts and wider than the face below
+WIDER = 1.1  # times as wide
 RESTLESS = 6.0  # half-widths of a head a second: hands are often faster, heads seldom
 ELBOWS = 0.25  # s of the same where both arms are bare: elbows hardly ever cross
 YOUNG = 25  # frames for which a hand has been followed, up to which only its side says which it is

@@ -10,6 +10,7 @@ from drawn_people import FACE, LEFT, RIGHT, waving
 from vipr.systems.hands.births import look_for_better_face
 from vipr.systems.hands.blobs import Body, hand_end, head_in, split
 from vipr.systems.hands.candidates import candidates
+from vipr.systems.hands.identities import settle_face
 from vipr.systems.hands.kalman import start
 from vipr.systems.hands.label_truth import tracks_from_labels
 from vipr.systems.hands.merging import measure_shared
@@ -165,6 +166,16 @@ def test_the_face_moves_to_where_one_is_found():
     later = [[(50, 80 - k % 4, 6, 0.0), (80, 30, 12, 0.7)] for k in range(25)]
     out = track(first + later)[-1]
     assert np.allclose(out.face, (80, 30), atol=1) and out.right_seen
+
+
+@pytest.mark.parametrize(("radius", "moving", "moves"), [(11, 0.0, True), (7, 0.0, False), (11, 0.6, False)])
+def test_a_hand_that_was_taken_for_the_face_gives_way_to_what_is_calm_and_wider_above_all(radius, moving, moves):
+    seen = regions(0, [(50, 80, 8, 0.4), (80, 20, radius, 0.12)], moving)
+    (top,) = (r for r in candidates(seen, {}) if r.centre[1] < 50.0)
+    tracks, rival = {"face": Track(start(50.0, 80.0, 0.8, 20.0), 200.0, hits=40, headlike=0.45)}, 0.0
+    for _ in range(10):
+        tracks, rival, _ = settle_face(tracks, [top], seen.labels, rival, 0.04, 1.0)
+    assert (tracks["face"].filter.y < 50.0) == moves
 
 
 @pytest.mark.parametrize(("hits", "moves"), [(5, True), (40, False)])

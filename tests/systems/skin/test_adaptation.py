@@ -11,7 +11,7 @@ from vipr.systems.skin.classifier import SkinOptions
 from vipr.systems.skin.colour_model import REACH, adapt, initial_model, skin_table
 from vipr.systems.skin.density import components, density
 from vipr.systems.skin.face_marks import face_marks
-from vipr.systems.skin.learning import learn
+from vipr.systems.skin.learning import learn, sleeping_head
 from vipr.systems.skin.regions import Found
 
 
@@ -125,6 +125,23 @@ def test_what_may_be_a_head_above_a_moving_hand_is_not_taken_for_the_room(moving
     )  # fmt: skip
     still, model = scene.new_scene(colours), initial_model()
     for _ in range(4):
-        still, model = learn(model, colours, skin, labels, found, still, HandTracks(), 1.0, 0.4, SkinOptions())
+        still, model = learn(model, colours, skin, skin, labels, found, still, HandTracks(), 1.0, 0.4, SkinOptions())
     assert (still.sure[30, 80] > 0.9) == (moving == 0.0)
     assert still.sure[100, 20] > 0.9
+
+
+@pytest.mark.parametrize(("hand_y", "moving", "woken"), [(90, 0.8, True), (90, 0.0, False), (20, 0.8, False)])
+def test_a_head_that_became_a_thing_of_the_room_is_woken_above_all_that_moves(hand_y, moving, woken):
+    image = np.full((120, 160, 3), 100, np.uint8)
+    cv2.ellipse(image, (80, 50), (10, 13), 0, 0, 360, (130, 160, 210), -1)
+    for eye in (75, 85):
+        cv2.ellipse(image, (eye, 47), (3, 2), 0, 0, 360, (60, 75, 100), -1)
+    by_colour = np.zeros((120, 160), np.uint8)
+    cv2.ellipse(by_colour, (80, 50), (10, 13), 0, 0, 360, 255, -1)
+    hand = Found(
+        centres=np.array([[130.0, hand_y]]), areas=np.array([80.0]), person=np.array([0.9]), faceness=np.array([0.0]),
+        cores=np.array([[130.0, hand_y, 5.0]]), moving=np.array([moving]),
+    )  # fmt: skip
+    colours = chromaticity(image)
+    head = sleeping_head(by_colour, colours, scene.new_scene(colours), hand)
+    assert (head is not None and head[50, 80] == 1 and head[90, 130] == 0) == woken
