@@ -19,6 +19,7 @@ FACE = 13.0  # px, a face at the camera's distance
 SMOOTHING = 3  # passes over the track at 25 Hz: a hand of some kilograms does not tremble with the camera's noise
 STATES = 8  # of all models; the paper's have 4
 MIXTURES = 2  # Gaussians a state of the paper's models, of which a letter has as many as it has forms
+GAPS = 0.3  # share of the letters that this program's models are sharpened on for which the tracker may lose the hand for a while
 STILL = 10  # frames that the hand is taken to stay where a film ends: what still moves there is a movement too
 
 
@@ -66,9 +67,14 @@ def _drawing(positions, seen, bounds) -> Trajectory:
     inside = (times > first - 1e-6) & (times < last + 1e-6)
     if found:
         inside = (times > found[0].times[0] - 1e-6) & (times < found[-1].times[-1] + 1e-6)
-    there = inside & np.isfinite(hand).all(axis=1)
-    points = hand[there] * (1.0, -1.0)
-    return Trajectory(smooth(points[None], SMOOTHING)[0], times[there])
+    return Trajectory(_smooth(hand[inside] * (1.0, -1.0)), times[inside])
+
+
+def _smooth(points):
+    """Each stretch (T, 2) in which the hand is seen by itself; NaN in between."""
+    unseen = np.isnan(points).any(axis=1)
+    cuts = np.flatnonzero(np.diff(unseen)) + 1
+    return np.concatenate([smooth(run[None], SMOOTHING)[0] for run in np.split(points, cuts)])
 
 
 def halves(table: GestureTable, seed: int) -> np.ndarray:
@@ -97,8 +103,8 @@ ROWS = {  # of Table II, and this program's own models
 
 def models(row: str, seed: int) -> GestureClassifier:
     """The untrained models of a row: trained by likelihood alone with full covariances, or this program's own."""
-    plain = {} if row == "default" else dict(discriminative=False, covariance="full", mixtures=MIXTURES)
-    return GestureClassifier(row, states=STATES, seed=seed, **plain)
+    how = dict(gaps=GAPS) if row == "default" else dict(discriminative=False, covariance="full", mixtures=MIXTURES)
+    return GestureClassifier(row, states=STATES, seed=seed, **how)
 
 
 def table_two(table: GestureTable, seed: int, tick=lambda share: None) -> dict[str, dict[str, Evaluation]]:

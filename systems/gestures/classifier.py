@@ -14,6 +14,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
 from vipr.systems.errors import InputError
+from vipr.systems.gestures.gaps import seen_points
 from vipr.systems.gestures.rejection import fit_gate, fit_pace
 from vipr.systems.gestures.stream_models import StreamOptions, fit_stream
 from vipr.systems.gestures.trajectories import Stream, clean, describe, resample
@@ -43,7 +44,8 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     """Names trajectories by hidden Markov models.
 
     X is a list (or object array) of trajectories: arrays (T, d) at equal time steps, or ``Trajectory`` with time stamps; y are labels.
-    Trajectories without two different finite positions are left out of training and are always rejected.
+    Where a trajectory is NaN it was not seen, and its models integrate over what it may have been. Trajectories without two different
+    finite positions are left out of training and are always rejected.
 
     streams : a name of ``STREAMS`` or a tuple of ``Stream``
     states : number of states of every model, or "validated": chosen per gesture on held-out examples
@@ -52,6 +54,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
     discriminative : sharpen the models against each other
     distortion : how much copies are distorted while sharpening, 1 for another writer's hand, 0 for none
     backwards : share of examples taken from end to start while sharpening, of gestures that then look like no other; 0: none
+    gaps : share of examples that are not seen for a while while sharpening, for hands that a camera may lose; 0: none
     priors : "observed" (as in training) or "uniform"
     garbage : label of non-gestures in y, if any; they shape the garbage model and the threshold, and ``predict`` may answer with it
     false_rejection : share of held-out gestures that the threshold may reject
@@ -64,12 +67,12 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
 
     def __init__(
         self, streams="default", states=8, covariance="diag", mixtures=1, allograph_gain=0.3, discriminative=True, distortion=1.0,
-        backwards=0.08, priors="observed", garbage=None, false_rejection=0.01, doubt=0.05, timed=False,
+        backwards=0.08, gaps=0.0, priors="observed", garbage=None, false_rejection=0.01, doubt=0.05, timed=False,
         updates=500, seed=0,
     ):  # fmt: skip
         self.streams, self.states, self.covariance, self.mixtures = streams, states, covariance, mixtures
         self.allograph_gain, self.discriminative = allograph_gain, discriminative
-        self.distortion, self.backwards = distortion, backwards
+        self.distortion, self.backwards, self.gaps = distortion, backwards, gaps
         self.priors, self.garbage, self.false_rejection = priors, garbage, false_rejection
         self.doubt, self.timed, self.updates, self.seed = doubt, timed, updates, seed
 
@@ -91,7 +94,7 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
         self.skipped_ = np.flatnonzero(~kept)
         if not kept.any():
             raise InputError(
-                f"gesture classifier: none of the {len(y)} trajectories has two different finite positions"
+                f"gesture classifier: none of the {len(y)} trajectories has two different finite positions at different times"
             )
         good = [t for t in cleaned if t is not None]
         self.classes_, labels = np.unique(y[kept], return_inverse=True)
@@ -170,8 +173,8 @@ class GestureClassifier(ClassifierMixin, BaseEstimator):
                 f"gesture classifier: trained on {self.dimension_} coordinates a point, got {_dimension(good)}"
             )
         streams = self._streams()
-        points = {key: resample(good, *key) for key in {(s.sampling, s.points) for s in streams}}
-        return {s: describe(points[s.sampling, s.points], s) for s in streams}
+        views = {k: (resample(good, *k), seen_points(good, *k)) for k in {(s.sampling, s.points) for s in streams}}
+        return {s: describe(views[s.sampling, s.points][0], s, views[s.sampling, s.points][1]) for s in streams}
 
     def _log_posterior(self, views, prior, seconds):
         total = sum(model.log_posterior(views[model.stream], prior) for model in self.streams_) / len(self.streams_)

@@ -45,18 +45,29 @@ class SharpBank:
         out = [self._log_posterior(x[a : a + 512]) for a in range(0, len(x), 512)]
         return np.concatenate(out) if out else np.zeros((0, self.classes.max() + 1))
 
+    def standardise(self, phi: np.ndarray) -> np.ndarray:
+        """``observe(x)`` for the weights; zero of a point that is missing, so that it tells no state from another."""
+        phi = (phi - self.mean) / self.scale
+        return np.nan_to_num(phi, copy=False, nan=0.0)
+
     def _log_posterior(self, x):
-        phi = np.swapaxes((observe(x) - self.mean) / self.scale, 0, 1)
+        phi = np.swapaxes(self.standardise(observe(x)), 0, 1)
         log_b = _emissions(self.weights, phi.reshape(-1, phi.shape[-1]), *phi.shape[:2])
         final, _ = _viterbi(log_b, self.stay, self.leave, False)
         return _by_class(final.max(axis=1), self.classes)
 
 
 def observe(x: np.ndarray) -> np.ndarray:
-    """(N, T, F) of observations (N, T, D): squares, values, neighbours' values, one."""
+    """(N, T, F) of observations (N, T, D): squares, values, neighbours' values, one.
+
+    NaN of a point that is missing; the value itself stands for neighbours that are.
+    """
     t = np.arange(x.shape[1])
     around = [x[:, np.clip(t + o, 0, len(t) - 1)] for o in OFFSETS]
-    return np.concatenate([x * x, x, *around, np.ones_like(x[..., :1])], axis=-1).astype(np.float32)
+    missing = np.isnan(x[..., :1])
+    if missing.any():
+        around = [np.where(np.isnan(a), x, a) for a in around]
+    return np.concatenate([x * x, x, *around, np.where(missing, np.nan, 1.0)], axis=-1).astype(np.float32)
 
 
 def _emissions(weights, flat, T, N):
@@ -94,10 +105,11 @@ def _by_class(scores, classes):
 def from_likelihood(bank: HmmBank, x: np.ndarray, classes: np.ndarray, temper: float) -> SharpBank:
     """The bank's models (one component, diagonal part of its covariances) in the linear form; x (N, T, D) standardises it."""
     M, S, _, d = bank.shape
-    phi = observe(x)
-    F = phi.shape[-1]
-    scale = np.maximum(phi.reshape(-1, F).std(axis=0), 1e-4).astype(np.float32)
-    mean = phi.reshape(-1, F).mean(axis=0)
+    F = (phi := observe(x)).shape[-1]
+    phi = phi.reshape(-1, F)
+    phi = phi[~np.isnan(phi[:, -1])]
+    scale = np.maximum(phi.std(axis=0), 1e-4).astype(np.float32)
+    mean = phi.mean(axis=0)
     scale[-1], mean[-1] = 1.0, 0.0
     means, variances = bank.means[:, :, 0], np.einsum("msii->msi", bank.covariances[:, :, 0])
     weights = np.zeros((M, S, F))
@@ -130,7 +142,7 @@ def sharpen(bank: SharpBank, draw, labels: np.ndarray, spec: MmiSpec, tick=lambd
         if len(order) < batch:
             order = np.r_[order, rng.permutation(N)]
         chosen, order = order[:batch], order[batch:]
-        gradient = _gradient(bank, W, (observe(draw(chosen, rng)) - bank.mean) / bank.scale, labels[chosen])
+        gradient = _gradient(bank, W, bank.standardise(observe(draw(chosen, rng))), labels[chosen])
         gradient += spec.pull * (W - start)
         first += 0.1 * (gradient - first)
         second += 0.01 * (gradient**2 - second)

@@ -5,7 +5,8 @@ next one (paper, eq. 10); a state's observations are Gaussian (eq. 11) or a mixt
 is linear in ``(x x', x, 1)``, so one matrix product gives the density of every point in every state of every model. The only
 Python loop runs over time.
 
-Shapes: N sequences padded to T points of d features (``x`` (N, T, d), ``lengths`` (N,)); M models; S states; K components.
+A point of which nothing is known is NaN. Shapes: N sequences padded to T points of d features (``x`` (N, T, d), ``lengths``
+(N,)); M models; S states; K components.
 Log probabilities are natural logarithms of densities in the unit of the features.
 """
 
@@ -65,9 +66,14 @@ class HmmBank:
 
 
 def quadratic(x: np.ndarray) -> np.ndarray:
-    """``(x_i x_j for i <= j, x, 1)`` of each point: (..., d) gives (..., F), F = d (d + 1) / 2 + d + 1."""
+    """``(x_i x_j for i <= j, x, 1)`` of each point: (..., d) gives (..., F), F = d (d + 1) / 2 + d + 1.
+
+    Zero of a point that is missing (NaN): its log density is zero in every state, so that it is integrated out.
+    """
     rows, columns = np.triu_indices(x.shape[-1])
-    return np.concatenate([x[..., rows] * x[..., columns], x, np.ones_like(x[..., :1])], axis=-1)
+    phi = np.concatenate([x[..., rows] * x[..., columns], x, np.ones_like(x[..., :1])], axis=-1)
+    phi[np.isnan(x).any(axis=-1)] = 0.0
+    return phi
 
 
 def pad(sequences) -> tuple[np.ndarray, np.ndarray]:
@@ -88,7 +94,16 @@ def emissions(bank: HmmBank, x: np.ndarray) -> np.ndarray:
     M, S, K, _ = bank.shape
     phi = quadratic(np.swapaxes(x, 0, 1))
     log_b = (phi.reshape(-1, phi.shape[-1]) @ bank.projection).reshape(*phi.shape[:2], S, M, K)
-    return log_sum(log_b) if K > 1 else log_b[..., 0]
+    return mixed(log_b, phi)
+
+
+def mixed(by_component: np.ndarray, phi: np.ndarray) -> np.ndarray:
+    """Log densities (A, B, ...) of mixtures (A, B, ..., K); zero for points that are missing in ``phi`` (A, B, F)."""
+    if by_component.shape[-1] == 1:
+        return by_component[..., 0]
+    log_b = log_sum(by_component)
+    log_b[phi[..., -1] == 0.0] = 0.0
+    return log_b
 
 
 def log_sum(a: np.ndarray) -> np.ndarray:

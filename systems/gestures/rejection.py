@@ -20,6 +20,7 @@ ENOUGH = 16  # examples of a class; with fewer, distorted copies make up the num
 SHOWN = 5  # examples beyond a quantile, with which it is taken as it is
 FURTHEST = 6.0  # spreads of the margins below their median, and no threshold is lower
 SPREADS, LEAST_SPREAD = 3.0, 0.1  # a duration may be so many spreads off, and none is less than this (log s)
+LEAST_KNOWN = 0.25  # share of a movement's points
 FAR_OFF = 0.5  # log s; examples that are further off, such as parts of a gesture, widen the spread no more than this
 
 
@@ -36,12 +37,18 @@ class Gate:
         own = np.empty(len(x))
         for c in np.unique(label):
             own[label == c] = score(self.gestures[[c]], x[label == c])[:, 0]
-        return (own - score(self.anything, x).max(axis=1)) / x.shape[1]
+        return _per_point(own - score(self.anything, x).max(axis=1), x)
 
     def best_margin(self, x: np.ndarray, garbage: int) -> np.ndarray:
         """(N,) margin under the best gesture's model, whichever that is."""
         own = np.delete(score(self.gestures, x), garbage, axis=1).max(axis=1)
-        return (own - score(self.anything, x).max(axis=1)) / x.shape[1]
+        return _per_point(own - score(self.anything, x).max(axis=1), x)
+
+
+def _per_point(margin, x):
+    """(N,) margins per point of x (N, T, D) that is not missing; -inf if too few are to tell."""
+    known = (~np.isnan(x).any(axis=2)).sum(axis=1)
+    return np.where(known < LEAST_KNOWN * x.shape[1], -np.inf, margin / np.maximum(known, 1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,6 +27,7 @@ class PauseSettings:
     least_time: float = 0.2  # s, shortest movement
     least_extent: float = 0.8  # faces, smallest movement
     longest: float = 6.0  # s after which a movement is cut
+    unseen: float = 1.0  # s for which moving hands may be out of sight and are still in the same movement
 
     def __post_init__(self):
         positive = all(v > 0 for v in self.__dict__.values())
@@ -51,12 +52,13 @@ def advance(
 ) -> tuple[MotionBelief, Trajectory | None]:
     """Take in the positions (d,) of all hands, (x, y) each; returns the new belief and the movement that ended with this frame, if any.
 
-    A frame that is not later than the last one or not finite is passed over; after a gap of more than ``memory`` it starts afresh.
+    A frame that is not later than the last one or not finite is passed over; after a gap of more than ``memory``, or ``unseen`` if the
+    hands were moving, it starts afresh.
     """
     point = np.asarray(point, float)
     if not np.isfinite(time) or not np.isfinite(point).all() or (belief.times and time <= belief.times[-1]):
         return belief, None
-    if belief.times and time - belief.times[-1] > settings.memory:
+    if belief.times and time - belief.times[-1] > (settings.unseen if belief.moving else settings.memory):
         belief = MotionBelief()
     times, points = (*belief.times, float(time)), (*belief.points, point)
     if not belief.moving:

@@ -7,6 +7,7 @@ import numpy as np
 from vipr.systems.errors import InputError
 from vipr.systems.gestures.allographs import allographs
 from vipr.systems.gestures.discriminative import MmiSpec, SharpBank, from_likelihood, sharpen
+from vipr.systems.gestures.gaps import lose, seen_points
 from vipr.systems.gestures.hmm import COVARIANCES, HmmBank, score
 from vipr.systems.gestures.training import HmmSpec, choose_states, own_score, train
 from vipr.systems.gestures.trajectories import Distortion, Stream, describe, distort, fill_up, resample
@@ -47,6 +48,7 @@ class StreamOptions:
     discriminative: bool
     distortion: float
     backwards: float
+    gaps: float
     updates: int
     seed: int
 
@@ -59,6 +61,7 @@ class StreamOptions:
             ("allograph_gain", self.allograph_gain is None or 0 <= self.allograph_gain <= 1, "from 0 to 1, or None"),
             ("distortion", self.distortion >= 0, "not negative"),
             ("backwards", 0 <= self.backwards <= 1, "from 0 to 1"),
+            ("gaps", 0 <= self.gaps <= 1, "from 0 to 1"),
             ("updates", self.updates >= 0, "not negative"),
         ):
             if not fine:
@@ -68,6 +71,7 @@ class StreamOptions:
 def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: StreamOptions, tick) -> StreamModel:
     """Train on cleaned trajectories with labels (N,) in 0..C-1; ``tick()`` is called once an update."""
     points = resample(trajectories, stream.sampling, stream.points)
+    seen = seen_points(trajectories, stream.sampling, stream.points)
     how = Distortion(*(options.distortion * v for v in astuple(Distortion())))
     rng = np.random.default_rng([options.seed, 1])
     if options.allograph_gain is None:
@@ -79,10 +83,9 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
     if sharp:
         source = fill_up(labels, ENOUGH if options.distortion else 0)
         copies = distort(points[source], stream, rng, how) if len(source) else points[:0]
-        points, labels, model = (
-            np.concatenate([a, b]) for a, b in ((points, copies), (labels, labels[source]), (model, model[source]))
-        )
-    x = describe(points, stream)
+        points = np.concatenate([points, copies])
+        seen, labels, model = (np.concatenate([a, a[source]]) for a in (seen, labels, model))
+    x = describe(points, stream, seen)
     lengths = np.full(len(x), x.shape[1])
     spec = HmmSpec(
         8 if options.states == "validated" else options.states, 1 if sharp else options.mixtures,
@@ -95,12 +98,12 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
         return StreamModel(stream, bank, classes)
     turned = np.zeros(labels.max() + 1, bool)
     if options.backwards and not stream.picture:
-        turned = _unclaimed(bank, x, model, describe(points[:, ::-1], stream), labels, classes)
+        turned = _unclaimed(bank, x, model, describe(points[:, ::-1], stream, seen[:, ::-1]), labels, classes)
     if turned.any():
         extra = np.flatnonzero(turned[labels])
         number = (np.cumsum(turned) - 1)[labels[extra]] + len(classes)
         bank = train(
-            np.concatenate([x, describe(points[extra, ::-1], stream)]), np.full(len(x) + len(extra), x.shape[1]),
+            np.concatenate([x, describe(points[extra, ::-1], stream, seen[extra, ::-1])]), np.full(len(x) + len(extra), x.shape[1]),
             np.concatenate([model, number]), spec, None if states is None else np.r_[states, np.full(turned.sum(), spec.states)],
         )  # fmt: skip
         classes = np.concatenate([classes, np.flatnonzero(turned)])
@@ -110,13 +113,15 @@ def fit_stream(stream: Stream, trajectories, labels: np.ndarray, options: Stream
     mmi = MmiSpec(updates=options.updates, seed=options.seed, temper=temper)
 
     def draw(chosen, rng):
-        p = points[chosen]
+        p, s = points[chosen], seen[chosen]
         back = turned[labels[chosen]] & (rng.random(len(p)) < options.backwards)
-        p[back] = p[back, ::-1]
+        p[back], s[back] = p[back, ::-1], s[back, ::-1]
         copied = rng.random(len(p)) < COPIES * (options.distortion > 0)
         if copied.any():
             p[copied] = distort(p[copied], stream, rng, how)
-        return describe(p, stream)
+        if options.gaps:
+            p, s = lose(p, s, rng, options.gaps)
+        return describe(p, stream, s)
 
     return StreamModel(stream, sharpen(from_likelihood(bank, x, classes, mmi.temper), draw, labels, mmi, tick), classes)
 

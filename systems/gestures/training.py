@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vipr.systems.errors import InputError
-from vipr.systems.gestures.hmm import COVARIANCES, HmmBank, backward, best_path, forward, log_sum, quadratic
+from vipr.systems.gestures.hmm import COVARIANCES, HmmBank, backward, best_path, forward, log_sum, mixed, quadratic
 
 
 @dataclass(frozen=True)
@@ -68,16 +68,17 @@ def train(
 ) -> HmmBank:
     """Train one HMM per model number: x (N, T, d) padded, lengths (N,), model (N,) in 0..M-1, each with at least one sequence.
 
-    states (M,) overrides ``spec.states`` per model.
+    Points that are missing are NaN. states (M,) overrides ``spec.states`` per model.
     """
     models = int(model.max()) + 1
     states = np.full(models, spec.states) if states is None else np.asarray(states, int)
     if len(np.unique(model)) != models or len(states) != models:
         raise InputError(f"hmm: each of the {models} models needs at least one sequence and a number of states")
     x = np.where(np.arange(x.shape[1])[:, None] < lengths[:, None, None], x, 0.0)
-    centre = x.sum(axis=(0, 1)) / lengths.sum()
+    known = max(lengths.sum() - np.isnan(x).any(axis=2).sum(), 1)
+    centre = np.nansum(x, axis=(0, 1)) / known
     x = np.where(np.arange(x.shape[1])[:, None] < lengths[:, None, None], x - centre, 0.0)  # else x x' - mu mu' cancels
-    scale = np.maximum((x**2).sum(axis=(0, 1)) / lengths.sum(), 1e-12)
+    scale = np.maximum(np.nansum(x**2, axis=(0, 1)) / known, 1e-12)
     statistics = _Statistics(x, lengths, model, models)
     bank = _segmental(statistics, lengths, scale, spec, states)
     bank = _baum_welch(bank, statistics, lengths, scale, spec)
@@ -139,7 +140,7 @@ def _own_emissions(bank, statistics):
     by_component = (statistics.phi @ np.swapaxes(weights[statistics.model], 1, 2)).reshape(
         *statistics.inside.shape, S, K
     )
-    log_b = log_sum(by_component) if K > 1 else by_component[..., 0]
+    log_b = mixed(by_component, statistics.phi)
     return np.ascontiguousarray(np.moveaxis(log_b, 0, 2)), by_component
 
 

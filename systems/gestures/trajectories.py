@@ -10,15 +10,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from vipr.systems.errors import InputError
+from vipr.systems.gestures.gaps import way
 from vipr.systems.gestures.ink import ink
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Positions (T, d) with their times (T,) in seconds."""
+    """Positions (T, d) with their times (T,) in seconds; NaN where not seen.
+
+    ``lost`` (T,), where known: it was not seen between the point before and this one. ``clean`` makes it of the NaNs.
+    """
 
     points: np.ndarray
     times: np.ndarray
+    lost: np.ndarray | None = None
 
     def __len__(self):
         return len(self.points)
@@ -28,7 +33,7 @@ class Trajectory:
 class Stream:
     """One description of a trajectory, the observations of one family of HMMs."""
 
-    features: tuple[str, ...] = ("position", "direction")  # of FEATURES
+    features: tuple[str, ...] = ("position", "direction")  # of FEATURES, or one of PICTURES
     sampling: str = "arc"  # arc: equal steps of arc length; time: equal steps of time
     points: int = 32
     smoothing: int = 1  # passes of a (1 2 1)/4 filter over the resampled points
@@ -41,10 +46,11 @@ class Stream:
         ):
             if value not in allowed:
                 raise InputError(f"gesture stream: {name} is one of {', '.join(allowed)}, got {value!r}")
-        unknown = [f for f in self.features if f not in FEATURES]
+        known = (*FEATURES, *PICTURES)
+        unknown = [f for f in self.features if f not in known]
         if unknown or not self.features or self.points < 4 or self.smoothing < 0:
             raise InputError(
-                f"gesture stream: features are among {', '.join(FEATURES)}, at least 4 points, smoothing not negative; "
+                f"gesture stream: features are among {', '.join(known)}, at least 4 points, smoothing not negative; "
                 f"got {self.features}, {self.points} points, smoothing {self.smoothing}"
             )
         if self.picture and len(self.features) > 1:
@@ -55,16 +61,18 @@ class Stream:
     @property
     def picture(self) -> bool:
         """Whether the observations are lines of a picture, which do not show in what order it was drawn."""
-        return bool({"rows", "columns"} & set(self.features))
+        return bool(PICTURES.keys() & set(self.features))
 
 
 def clean(trajectory) -> Trajectory | None:
     """The finite points in order of time, or None if fewer than two different positions remain.
 
-    A point that is not finite, or not later than all before it, is dropped.
+    A point that is not finite, or not later than all before it, is dropped; where it was not finite, the next one says so (``lost``).
     """
+    lost = None
     if isinstance(trajectory, Trajectory):
         points, times = np.asarray(trajectory.points, float), np.asarray(trajectory.times, float)
+        lost = trajectory.lost
     else:
         points = np.asarray(trajectory, float)
         times = np.arange(len(points), dtype=float) if points.ndim else np.zeros(0)
@@ -73,18 +81,23 @@ def clean(trajectory) -> Trajectory | None:
     finite = np.isfinite(points).all(axis=1) & np.isfinite(times)
     if not finite.all():
         points, times = points[finite], times[finite]
+        gap = np.diff(np.flatnonzero(finite), prepend=-1) > 1
+        lost = gap if lost is None else gap | lost[finite]
     if len(times) < 2:
         return None
     later = np.r_[True, times[1:] > np.maximum.accumulate(times)[:-1]]
     if not later.all():
-        points, times = points[later], times[later]
+        points, times, lost = points[later], times[later], None if lost is None else lost[later]
     if len(points) < 2 or not (np.ptp(points, axis=0).max() > 1e-9 * (1.0 + np.abs(points).max())):
         return None
-    return Trajectory(points, times)
+    return Trajectory(points, times, lost)
 
 
 def resample(trajectories: list[Trajectory], sampling: str, count: int) -> np.ndarray:
-    """(N, count, d): cleaned trajectories at equal steps of time or of arc length, first and last point kept."""
+    """(N, count, d): cleaned trajectories at equal steps of time or of arc length, first and last point kept.
+
+    Where one was not seen it is taken to have gone straight, and as far as it would at its average speed: ``seen_points`` tells where.
+    """
     lengths = np.array([len(t) for t in trajectories])
     points = np.concatenate([t.points for t in trajectories])
     first = np.r_[0, np.cumsum(lengths)[:-1]]
@@ -94,6 +107,8 @@ def resample(trajectories: list[Trajectory], sampling: str, count: int) -> np.nd
     else:
         steps = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=1)]
         steps[first] = 0.0
+        for n in np.flatnonzero([t.lost is not None for t in trajectories]):
+            steps[first[n] : first[n] + lengths[n]] = way(trajectories[n])
         progress = _running(steps, lengths, first)
     total = progress[first + lengths - 1]
     return _interpolate(points, progress / np.repeat(total, lengths), lengths, count)
@@ -190,15 +205,28 @@ FEATURES = {
     "direction": _direction,
     "turning": _turning,
     "box": _box,
-    "rows": lambda points: _picture(points, 1),
-    "columns": lambda points: _picture(points, 0),
 }
+PICTURES = {"rows": 1, "columns": 0}  # axis that the lines run along
 
 
-def describe(points: np.ndarray, stream: Stream) -> np.ndarray:
-    """Observations (N, T, D) of resampled points (N, T, d)."""
+def describe(points: np.ndarray, stream: Stream, seen: np.ndarray | None = None) -> np.ndarray:
+    """Observations (N, T, D) of resampled points (N, T, d); NaN in gaps, at those that were not ``seen`` (N, T).
+
+    Where a velocity or direction would lean on a point in a gap, that is missing too. In pictures a gap is drawn straight.
+    """
     points = normalise(smooth(points, stream.smoothing), stream.scale)
-    return np.concatenate([FEATURES[f](points) for f in stream.features], axis=-1)
+    if stream.picture:
+        return _picture(points, PICTURES[stream.features[0]])
+    x = np.concatenate([FEATURES[f](points) for f in stream.features], axis=-1)
+    if seen is not None and not seen.all():
+        if set(stream.features) - {"position", "box"}:
+            seen = (
+                seen
+                & np.pad(seen, ((0, 0), (1, 0)), mode="edge")[:, :-1]
+                & np.pad(seen, ((0, 0), (0, 1)), mode="edge")[:, 1:]
+            )
+        x[~seen] = np.nan
+    return x
 
 
 @dataclass(frozen=True)
