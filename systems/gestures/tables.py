@@ -1,13 +1,14 @@
 """Tables of trajectories on disk: ``sequences.csv``, ``points.csv`` (or ``.csv.gz``), ``meta.json``.
 
 ``sequences.csv`` has a header with at least ``seq`` and, where known, ``label`` and ``writer``; ``points.csv`` has the columns
-``seq,t_ms,x,y`` (further coordinates may follow), the points of a sequence in order.
+``seq``, ``t_ms``, ``x`` and ``y`` and perhaps further coordinates, a point a row. Rows and columns may stand in any order; a point that
+was not seen may be left empty or out.
 """
 
 import csv
 import gzip
-import itertools
 import json
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,28 +41,27 @@ class GestureTable:
 def read_table(folder: Path) -> GestureTable:
     """The table in a folder; sequences without points have an empty trajectory."""
     folder = Path(folder)
-    rows = _sequences(folder / "sequences.csv")
-    points = _points(folder)
+    path, points_path = folder / "sequences.csv", _points_file(folder)
+    header, rows = _rows(path)
     if not rows:
-        raise InputError(f"{folder / 'sequences.csv'}: holds no sequences")
-    if rows[0].get("seq") is None:
-        raise InputError(f"{folder / 'sequences.csv'}: needs a column seq, has {', '.join(map(str, rows[0]))}")
-    by_seq = {}
-    cuts = np.r_[0, np.flatnonzero(np.diff(points[:, 0])) + 1, len(points)] if len(points) else np.zeros(1, int)
-    for a, b in itertools.pairwise(cuts):
-        key = _key(points[a, 0])
-        if key in by_seq:
-            raise InputError(f"{folder}: the points of sequence {key} do not stand together")
-        by_seq[key] = Trajectory(points[a:b, 2:], points[a:b, 1] / 1000.0)
-    nothing = Trajectory(np.zeros((0, points.shape[1] - 2)), np.zeros(0))
-    seq = np.array([_key(r["seq"]) for r in rows])
+        raise InputError(f"{path}: holds no sequences")
+    if "seq" not in header:
+        raise InputError(f"{path}: needs a column seq, has {', '.join(header)[:80]}")
+    columns = dict(zip(header, zip(*rows, strict=True), strict=True))
+    seq = np.array([_key(s) for s in columns["seq"]])
+    unnamed = np.flatnonzero(seq == "")
+    if len(unnamed):
+        raise InputError(f"{path}: row {unnamed[0] + 1} does not say its sequence")
     if len(set(seq)) != len(seq):
-        raise InputError(f"{folder / 'sequences.csv'}: a sequence is listed twice")
+        raise InputError(f"{path}: a sequence is listed twice")
+    trajectories, dimension = _trajectories(points_path)
+    nothing = Trajectory(np.zeros((0, dimension)), np.zeros(0))
+    empty = [""] * len(seq)
     return GestureTable(
         seq,
-        np.array([r.get("label") or "" for r in rows], str),
-        np.array([r.get("writer") or "" for r in rows], str),
-        [by_seq.get(s, nothing) for s in seq],
+        np.array(columns.get("label", empty), str),
+        np.array(columns.get("writer", empty), str),
+        [trajectories.get(s, nothing) for s in seq],
     )
 
 
@@ -74,40 +74,70 @@ def _key(value) -> str:
         return str(value)
 
 
-def _sequences(path):
+def _rows(path):
+    """The header and the rows of a CSV file, without blanks around what they hold."""
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        with (
+            gzip.open(path, "rt", newline="", encoding="utf-8-sig")
+            if path.suffix == ".gz"
+            else path.open(newline="", encoding="utf-8-sig") as file
+        ):
+            rows = [[cell.strip() for cell in row] for row in csv.reader(file, skipinitialspace=True) if row]
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
     except (csv.Error, UnicodeDecodeError) as error:
         raise InputError(f"{path}: is not a table ({error})") from None
+    header = rows[0] if rows else []
+    if len(set(header)) != len(header):
+        raise InputError(f"{path}: a column is named twice in {','.join(header)[:80]}")
+    for number, row in enumerate(rows[1:], 1):
+        if len(row) != len(header):
+            raise InputError(f"{path}: the header has {len(header)} columns, row {number} has {len(row)}")
+    return header, rows[1:]
 
 
-def _points(folder):
-    packed, plain = folder / "points.csv.gz", folder / "points.csv"
-    path = packed if packed.exists() else plain
+def _points_file(folder):
+    for name in ("points.csv.gz", "points.csv"):
+        if (folder / name).exists():
+            return folder / name
+    if not (folder / "sequences.csv").exists():
+        return folder / "points.csv"  # what is missing first is told first
+    raise InputError(f"{folder}: has neither points.csv.gz nor points.csv")
+
+
+def _trajectories(path):
+    """The trajectory of each sequence, its points in the order of their times, and the number of coordinates."""
+    header, rows = _rows(path)
+    if not {"seq", "t_ms"} <= set(header) or len(header) < 3:
+        raise InputError(f"{path}: columns must be seq,t_ms,x,y, got {','.join(header)[:80]}")
+    columns = dict(zip(header, zip(*rows, strict=True) if rows else [()] * len(header), strict=True))
+    seq = columns.pop("seq")
+    if "" in seq:
+        raise InputError(f"{path}: row {seq.index('') + 1} does not say its sequence")
+    keys = {s: _key(s) for s in set(seq)}
+    place = {key: n for n, key in enumerate(sorted(set(keys.values())))}
+    number = np.array([place[keys[s]] for s in seq], int)
+    values = np.stack([_numbers(path, name, column) for name, column in columns.items()], axis=1)
+    at = list(columns).index("t_ms")
+    time, points = values[:, at] / 1000.0, np.delete(values, at, axis=1)
+    order = np.lexsort((time, number))
+    cuts = np.searchsorted(number[order], np.arange(1, len(place)))
+    parts = np.split(order, cuts) if place else []
+    return {n: Trajectory(points[p], time[p]) for n, p in zip(place, parts, strict=True)}, points.shape[1]
+
+
+def _numbers(path, name, column):
+    """A column's numbers; NaN where it says nothing."""
+    column = ["nan" if cell == "" else cell for cell in column]
     try:
-        with gzip.open(path, "rt") if path is packed else path.open() as file:
-            header = file.readline().strip().split(",")
-            if header[:2] != ["seq", "t_ms"] or len(header) < 3:
-                raise InputError(f"{path}: columns must be seq,t_ms,x,y, got {','.join(header)[:80]}")
-            points = np.genfromtxt(file, delimiter=",", ndmin=2, invalid_raise=True)
-    except FileNotFoundError:
-        raise InputError(f"{folder}: has neither points.csv.gz nor points.csv") from None
-    except InputError:
+        return np.array(column, float)
+    except ValueError:
+        for number, cell in enumerate(column, 1):
+            try:
+                float(cell)
+            except ValueError:
+                raise InputError(f"{path}: {name} of row {number} is no number, got {cell[:40]!r}") from None
         raise
-    except (OSError, EOFError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read ({' '.join(str(error).split())[:120]})") from None
-    if points.size == 0:
-        return np.zeros((0, len(header)))
-    if points.shape[1] != len(header):
-        raise InputError(f"{path}: has {len(header)} columns in its header and {points.shape[1]} below")
-    if not np.isfinite(points[:, 0]).all():
-        raise InputError(
-            f"{path}: line {int(np.flatnonzero(~np.isfinite(points[:, 0]))[0]) + 2} does not say its sequence"
-        )
-    return points
 
 
 def write_table(folder: Path, table: GestureTable, meta: dict) -> None:

@@ -164,6 +164,16 @@ def test_plain_points_and_sequences_without_points_are_read(tmp_path):
     assert table.writers.tolist() == ["", ""]
 
 
+def test_rows_and_columns_stand_in_any_order_and_sequences_have_any_name(tmp_path):
+    (tmp_path / "sequences.csv").write_text("label, seq\na b,two\nc,1\n", encoding="utf-8-sig")
+    (tmp_path / "points.csv").write_text("t_ms, y, seq, x\r\n80,2,two,9\r\n0,1,1.0,5\r\n40,3,two,8\r\n40,4,1,6\r\n")
+    table = read_table(tmp_path)
+    assert table.seq.tolist() == ["two", "1"] and table.labels.tolist() == ["a b", "c"]
+    two, one = table.trajectories
+    assert two.points.tolist() == [[3, 8], [2, 9]] and two.times.tolist() == [0.04, 0.08]
+    assert one.points.tolist() == [[1, 5], [4, 6]]
+
+
 @pytest.mark.parametrize(
     ("sequences", "points", "message"),
     [
@@ -173,9 +183,11 @@ def test_plain_points_and_sequences_without_points_are_read(tmp_path):
         ("seq,label\n1,a\n1,b\n", "seq,t_ms,x,y\n1,0,1,2\n", "listed twice"),
         ("seq,label\n1,a\n", None, "has neither points.csv.gz nor points.csv"),
         ("seq,label\n1,a\n", "x,y\n1,2\n", "columns must be seq,t_ms,x,y, got x,y"),
-        ("seq,label\n1,a\n", "seq,t_ms,x,y\n1,0,1,2\n1,3\n", "points.csv: cannot be read"),
-        ("seq,label\n1,a\n", "seq,t_ms,x,y\n1,0,1,2\n2,0,1,1\n1,5,1,1\n", "points of sequence 1 do not stand together"),
-        ("seq,label\n1,a\n", "seq,t_ms,x,y\n1,0,1,2\n?,3,1,1\n", "line 3 does not say its sequence"),
+        ("seq,label\n1,a\n", "seq,t_ms,x,y\n1,0,1,2\n1,3\n", "points.csv: the header has 4 columns, row 2 has 2"),
+        ("seq,label\n1,a\n", "seq,t_ms,x,y\n1,0,1,2\n,3,1,1\n", "points.csv: row 2 does not say its sequence"),
+        ("seq,label\n1,a\n", "seq,t_ms,x,y\n1,0,1,2\n1,3,?,1\n", r"points.csv: x of row 2 is no number, got '\?'"),
+        ("seq,label\n1,a\n", "seq,t_ms,x,x\n1,0,1,2\n", "points.csv: a column is named twice"),
+        ("seq,label\n1,a\n,b\n", "seq,t_ms,x,y\n1,0,1,2\n", "sequences.csv: row 2 does not say its sequence"),
     ],
 )
 def test_bad_tables_are_told_in_one_line(tmp_path, sequences, points, message):
