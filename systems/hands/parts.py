@@ -37,9 +37,7 @@ class Track:
     met: bool = False  # has it shared a region with the other hand
     elbow: float | None = None  # px, x of the other end of a bare arm
     bare: float = 0.0  # 0 to 1, how often its arm has been seen bare of late
-    crowded: float = (
-        0.0  # s for which it has shared a region that is too small for all, or a face's in which nothing moves
-    )
+    crowded: float = 0.0  # s in a region shared that is too small for all, or is a face's in which nothing moves
 
     @property
     def position(self) -> np.ndarray:

@@ -56,9 +56,7 @@ def _runs(dense, threshold):
                 j += 1
         above = first
     n = 0
-    for k in range(
-        m
-    ):  # a root is its component's first stretch, so that it has its number before the others ask for it
+    for k in range(m):  # a root is its component's first stretch: it has its number before the others ask for it
         if runs[k, 3] == k:
             runs[k, 3], n = n, n + 1
         else:
