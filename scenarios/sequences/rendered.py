@@ -30,6 +30,7 @@ class Conditions:
     drop_every: int = 0  # each n-th frame does not arrive; 0: all arrive
     colour: bool = False  # BGR instead of the grey of the XC-77
     samples: int = SAMPLES  # sub-frames of a still picture
+    finer: int = 1  # how many times finer they are rendered
 
     def __post_init__(self):
         if self.hand not in HANDS:
@@ -69,6 +70,7 @@ def sequence(
             (lambda s, t=t: hand(t + s)) if hand else None,
             exposure=conditions.exposure,
             samples=conditions.samples,
+            finer=conditions.finer,
         )
         clean = clean[..., ::-1] if conditions.colour else (clean @ GREY)[..., None]
         seen = clean * _light(conditions, t, length) + conditions.noise * noise

@@ -95,7 +95,7 @@ def run(bench: Workbench) -> Iterator[Table]:
             )
             background = "clutter" if k % 2 else "plain"
             frames = bench.render(
-                name, moving, length, Conditions(noise=NOISE, samples=12), background=background, seed=k
+                name, moving, length, Conditions(noise=NOISE, samples=2, finer=4), background=background, seed=k
             )
             result = bench.track(name, frames)
             if not result.survived:

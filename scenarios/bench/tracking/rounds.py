@@ -67,7 +67,8 @@ def run(bench: Workbench) -> Iterator[Table]:
                 centre_O=model.centre,
             )
             background = "clutter" if k % 2 else "plain"
-            frames = bench.render(name, moving, FRAMES, Conditions(samples=6), background=background, seed=k)
+            shown = Conditions(samples=1, finer=4)
+            frames = bench.render(name, moving, FRAMES, shown, background=background, seed=k)
             X_CO_start = wrong(frames[0][1], model.centre, rng)
             for variant, settings in VARIANTS.items():
                 found[variant].append(_last(bench.track(name, frames, settings, X_CO_start=X_CO_start)))
