@@ -42,11 +42,12 @@ def edge_pass(
     """
     settings = sight.settings
     nodes = visible_nodes(sight.model, X_CO, sight.lens, settings.nodes, settings.spacing, sight.occluders_C)
-    matches, noise, certain = placed_edges(sight, nodes, X_CO, reach, sharp and settings.sharp)
+    matches, noise, certain, common = placed_edges(sight, nodes, X_CO, reach, sharp and settings.sharp)
     J = normal_jacobian(nodes, X_CO, sight.lens)
     shown = uncovered(nodes.pixel, texture) * certain
     likely = preferences(matches.strength, matches.wide)
     model_error = np.where(nodes.edge < len(sight.model.edges), settings.model_error, settings.round_error)
+    model_error = np.hypot(model_error, common)
     common = {"edge": nodes.edge, "noise": noise, "model_error": model_error, "node_weight": shown}
     free = None
     if alone is not None:  # how well the edges agree among themselves is not for other cues to spoil
@@ -58,17 +59,18 @@ def edge_pass(
 
 
 def placed_edges(sight: Sight, nodes: Nodes, X_CO: np.ndarray, reach: float, sharp: bool):
-    """Edges within reach [px] of the nodes: (Matches, the noise (N, K) [px] of their places, how far each node can be trusted, (N,) or 1).
+    """Edges within reach [px] of the nodes: (Matches, the noise (N, K) [px] of their places, how far each node can be trusted, (N,) or 1,
+    what may be wrong with the places of all nodes of an edge, (N,) [px] or 0).
 
     sharp: those near the pose also by the sharp derivative, each edge of the model its own, limbs and rims where they are.
     """
-    matches, certain = look(sight, nodes, reach, SHARP_REACH if sharp else 0.0), 1.0
+    matches, certain, common = look(sight, nodes, reach, SHARP_REACH if sharp else 0.0), 1.0, 0.0
     noise = noise_px(matches.strength, matches.wide, sight.patch.noise)
     if sharp:
         matches, certain = told_apart(matches, nodes, len(sight.model.edges))
-        matches, noise, placed = at_limbs(matches, noise, sight.patch, nodes, sight.model)
+        matches, noise, placed, common = at_limbs(matches, noise, sight.patch, nodes, sight.model, sight.lens)
         matches, certain = straightened(matches, nodes, sight.model, X_CO, sight.lens), certain * placed
-    return matches, noise, certain
+    return matches, noise, certain, common
 
 
 def uncovered(pixel, texture):

@@ -35,7 +35,7 @@ def edge_noise_and_bound(run: Run, image: np.ndarray, X_CO: np.ndarray, nodes: i
     )
     sight.open([X_CO], margin=12.0)
     at = visible_nodes(run.model, X_CO, run.lens, nodes)
-    matches, noise, certain = placed_edges(sight, at, X_CO, 4.0, sharp=True)
+    matches, noise, certain, _ = placed_edges(sight, at, X_CO, 4.0, sharp=True)
     sharp = slice(matches.wide, None)
     offset = np.where(matches.strength[:, sharp] != 0, matches.offset[:, sharp], np.inf)
     nearest = np.argmin(np.abs(offset), axis=1)[:, None]
