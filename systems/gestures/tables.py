@@ -1,8 +1,8 @@
 """Tables of trajectories on disk: ``sequences.csv``, ``points.csv`` (or ``.csv.gz``), ``meta.json``.
 
 ``sequences.csv`` has a header with at least ``seq`` and, where known, ``label`` and ``writer``; ``points.csv`` has the columns
-``seq``, ``t_ms``, ``x`` and ``y`` and perhaps further coordinates, a point a row. Rows and columns may stand in any order; a point that
-was not seen may be left empty or out.
+``seq``, ``t_ms``, ``x`` and ``y`` and perhaps further coordinates, a point a row. Rows and columns may stand in any order. Where the
+hand was not seen, x and y are left empty.
 """
 
 import csv

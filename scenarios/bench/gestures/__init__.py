@@ -13,6 +13,7 @@ from vipr.scenarios.bench.tables import Table
 PARTS = {
     "likelihoods": "scores and re-estimation beside enumeration of all paths and beside hmmlearn",
     "speed": "scoring and training beside hmmlearn",
+    "gaps": "letters of which a stretch was not seen",
     "handwriting": "real handwriting, writers held out",
     "phases": "pauses between the gestures of a speaker",
 }

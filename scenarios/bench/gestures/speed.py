@@ -20,7 +20,7 @@ SPEC = HmmSpec(4, floor=1e-3, segmental=0, baum_welch=20, tolerance=-np.inf)
 
 def run(bench) -> Iterator[Table]:
     """26 models of Graffiti letters, four states, full covariance, position and velocity; least of several repeats."""
-    trajectories, labels = _letters(6 if bench.quick else 20, bench.seed)
+    trajectories, labels = letters(6 if bench.quick else 20, bench.seed)
     repeats = 3 if bench.quick else 9
     stream = STREAMS["combined"][0]
     x = describe(resample([clean(t) for t in trajectories], stream.sampling, stream.points), stream)
@@ -51,10 +51,12 @@ def run(bench) -> Iterator[Table]:
     )
 
 
-def _letters(each, seed):
-    """Trajectories of ``each`` writers' alphabets at 25 Hz, and their letters."""
+def letters(writers: int, seed: int, times: int = 1) -> tuple[list[np.ndarray], np.ndarray]:
+    """Drawings (T, 2) at 25 Hz of so many writers' alphabets, each ``times`` in a row, and their letters."""
     rng, forms = np.random.default_rng(seed), graffiti()
-    drawn = [(draw(Writer.drawn(seed + w), a, forms[a], rng), a) for w in range(each) for a in forms]
+    drawn = [
+        (draw(Writer.drawn(seed + w), a, forms[a], rng), a) for w in range(writers) for _ in range(times) for a in forms
+    ]
     return [d for d, _ in drawn], np.array([a for _, a in drawn])
 
 
