@@ -33,6 +33,7 @@ SLACK, SLACK_LED, COLLAPSED = 0.85, 0.75, 0.5
 FADING = 0.97  # share of the closeness of late that is left a frame later
 LEARN_EVERY = 5  # frames between attempts to learn the texture of an object that has shown none yet
 LEARNT = 12  # keyframes, beside those that are known beforehand: the last so many are kept
+LESS_STEADY = 0.15  # of the edges that support it: so many fewer may those have that the motion leads to
 RECALL_EVERY = 2  # frames between searches of the whole image for an object that was lost
 LOOK_EVERY = 5  # frames between searches around the last good pose of an object that was lost
 
@@ -92,15 +93,20 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     depth = 1 if max(spread, apart) < 2.0 else 2
     if belief.X_CO_given is not None:
         return acquire(sight, elsewhere(belief.X_CO_given, belief.doubtful))
+    other = None
+    if keyframe is None and belief.agility < 1.0:
+        other = _where_it_goes(sight, ahead, depth)
+        if other.evidence.edges > 1.0 - LESS_STEADY:
+            sight.expect(sight.steady)
+            return other  # whatever else may be found
     best = attempt(sight, X_start, keyframe, depth)
     now_and_then = belief.number % DOUBT_EVERY == 0
     if best.led_by is None and belief.agility < 1.0:
         # By edges alone, edges nearer to where the motion leads count for more.
-        sight.expect(sight.steady)
-        other = attempt(sight, sight.steady.X_CO, None, depth, near=True)
-        if other.evidence.edges > best.evidence.edges - (0.15 if sight.goes_steadily(best.X_CO) else 0.3):
+        other = other or _where_it_goes(sight, ahead, depth)
+        if other.evidence.edges > best.evidence.edges - (LESS_STEADY if sight.goes_steadily(best.X_CO) else 0.3):
+            sight.expect(sight.steady)
             return other
-        sight.expect(ahead)
     elif best.led_by is not None and (
         doubt(best.evidence) > (0.0 if now_and_then else 1.0) or best.evidence.closeness < SLACK_LED * belief.closeness
     ):
@@ -128,6 +134,14 @@ def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
         sight.expect(replace(ahead, X_CO=around, covariance=at_rest(around).covariance))
         best = max([best, *look_around(sight, around)], key=lambda one: one.evidence.score)
     return best
+
+
+def _where_it_goes(sight: Sight, ahead: Motion, depth: int) -> Attempt:
+    """The attempt at the edges nearest to where the steady motion leads."""
+    sight.expect(sight.steady)
+    found = attempt(sight, sight.steady.X_CO, None, depth, near=True)
+    sight.expect(ahead)
+    return found
 
 
 def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: float, number: int) -> Belief:
