@@ -75,7 +75,7 @@ def sleeping_head(by_colour: np.ndarray, colours: Chromaticity, still: Scene, fo
 
     A head that nobody knew while it kept still, before wood of nearly its colour, has become a thing of the room.
     """
-    moves = (found.person > 0.5) & (found.moving > 0.3)
+    moves = _moves(found)
     if not moves.any():
         return None
     top = found.centres[moves, 1].min()
@@ -114,10 +114,15 @@ def _count_rest(index, outside, doubt, sure):
 
 def _may_be_heads(found: Found) -> np.ndarray:
     """(n,) bool: compact regions with some marks of a face above all that moves of the person; heads are often still."""
-    moves = (found.person > 0.5) & (found.moving > 0.3)
+    moves = _moves(found)
     if not moves.any():
         return moves
     return _compact(found) & (found.faceness > SOME_MARKS) & (found.centres[:, 1] < found.centres[moves, 1].min())
+
+
+def _moves(found: Found) -> np.ndarray:
+    """(n,) bool, of regions of the person that move."""
+    return (found.person > 0.5) & (found.moving > 0.3)
 
 
 def _compact(found: Found) -> np.ndarray:
