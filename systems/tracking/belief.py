@@ -14,6 +14,15 @@ from vipr.systems.tracking.motion_filter import Motion, at_rest
 
 
 @dataclass(frozen=True, eq=False)
+class Sure:
+    """The motion when the image last left nothing in doubt."""
+
+    motion: Motion
+    time: float  # s
+    agility: float  # as in ``Belief``
+
+
+@dataclass(frozen=True, eq=False)
 class Belief:
     """All that a tracker knows between frames."""
 
@@ -34,6 +43,7 @@ class Belief:
     # (6, 6) of the pose, what is the same from frame to frame and does not average out in the motion's covariance.
     shared: np.ndarray = field(default_factory=lambda: np.zeros((6, 6)))
     closeness: float = 0.75  # 0 to 1, how closely its edges have fitted of late; at first, how closely they might
+    sure: Sure | None = None  # None: never yet
 
     def __deepcopy__(self, memo):
         return self  # immutable: a context clone copies nothing

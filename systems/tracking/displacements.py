@@ -127,3 +127,10 @@ def _corner_shift(corners, fx, fy, X_CA, X_CB):
         dy = fy * ((ya + X_CA[1, 3]) / za - (yb + X_CB[1, 3]) / zb)
         total += dx * dx + dy * dy
     return np.sqrt(total / len(corners))
+
+
+def corner_spread(model: CadModel, lens: Lens, X_CO: np.ndarray, covariance: np.ndarray) -> float:
+    """RMS px by which the model's corners may be off a pose with this covariance (6, 6); 0 where that cannot be told."""
+    J = point_jacobian(model.corners, X_CO, lens).reshape(-1, 6)
+    square = ((J @ covariance) * J).sum() / len(model.corners)
+    return float(np.sqrt(square)) if np.isfinite(square) else 0.0

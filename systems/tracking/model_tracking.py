@@ -15,9 +15,10 @@ from vipr.systems.errors import InputError
 from vipr.systems.tracking.acquire import acquire, elsewhere, look_around, remembered
 from vipr.systems.tracking.belief import Belief
 from vipr.systems.tracking.cad_model import CadModel
+from vipr.systems.tracking.coasting import beyond_doubt, coast, coasted
 from vipr.systems.tracking.covered import given_up, uncovered
 from vipr.systems.tracking.diagnosis import LOST, TRACKING, Evidence
-from vipr.systems.tracking.displacements import corner_shift, move, point_jacobian
+from vipr.systems.tracking.displacements import corner_shift, corner_spread, move
 from vipr.systems.tracking.keyframes import Keyframe, choose_keyframe
 from vipr.systems.tracking.learning import learn_keyframe
 from vipr.systems.tracking.motion_filter import Motion, at_rest, correct, predict, settle, surprise
@@ -30,7 +31,9 @@ from vipr.systems.tracking.texture import correlation_at
 DOUBT_EVERY = 3  # frames between searches for edges that fit better than where the texture leads
 # Of the closeness of late: below, rivals are tried; below that where texture led; below that all of them at once.
 SLACK, SLACK_LED, COLLAPSED = 0.85, 0.75, 0.5
-FADING = 0.97  # share of the closeness of late that is left a frame later
+LASTING = 0.1  # s without a pose beyond doubt
+# Share of the closeness of late that is left a frame later, of an object that moves steadily and of one that is shaken.
+FADING, FADING_SHAKEN = 0.99, 0.97
 LEARN_EVERY = 5  # frames between attempts to learn the texture of an object that has shown none yet
 LEARNT = 12  # keyframes, beside those that are known beforehand: the last so many are kept
 LESS_STEADY = 0.15  # of the edges that support it: so many fewer may those have that the motion leads to
@@ -70,16 +73,14 @@ def step(
     steady = steady if settings.prediction else ahead
     sight = Sight(image, model, lens, settings, occluders_C, belief, ahead, dt, steady)
     best = _search(belief, ahead, sight)
-    share, led = best.evidence.closeness / belief.closeness, best.led_by is not None
-    if settings.rivals and not fresh and share < (SLACK_LED if led else SLACK):
-        widely = best.evidence.score >= TRACKING and (not led or number % DOUBT_EVERY == 0 or share < COLLAPSED)
-        best = outdone(sight, best, ahead, belief.closeness, widely) or best
+    if settings.rivals and not fresh:
+        best = _best_of_rivals(belief, ahead, best, sight, time, number)
     return _conclude(belief, ahead, best, sight, time, number)
 
 
 def _search(belief: Belief, ahead: Motion, sight: Sight) -> Attempt:
     """The best attempt at this frame; more starts and longer searches only while the evidence is thin."""
-    spread = _spread_px(ahead, sight)
+    spread = corner_spread(sight.model, sight.lens, ahead.X_CO, ahead.covariance[:6, :6])
     sight.open([ahead.X_CO, belief.X_CO], margin=sight.settings.reach + 3.0 * min(spread, 20.0))
     X_start = ahead.X_CO
     keyframe = choose_keyframe(belief.keyframes, ahead.X_CO)
@@ -144,6 +145,17 @@ def _where_it_goes(sight: Sight, ahead: Motion, depth: int) -> Attempt:
     return found
 
 
+def _best_of_rivals(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: float, number: int) -> Attempt:
+    """The attempt, or a rival of it whose edges fit more closely, or are as likely to be the object's after its motion so far."""
+    share, led = best.evidence.closeness / belief.closeness, best.led_by is not None
+    coasting = coast(belief, time, sight.settings)
+    if share < (SLACK_LED if led else SLACK):
+        widely = best.evidence.score >= TRACKING and (not led or number % DOUBT_EVERY == 0 or share < COLLAPSED)
+        lasting = coasting is not None and time - belief.sure.time > LASTING
+        best = outdone(sight, best, ahead, belief.closeness, widely, lasting) or best
+    return best if coasting is None else coasted(sight, best, coasting) or best
+
+
 def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: float, number: int) -> Belief:
     score = best.evidence.score
     good = score >= TRACKING
@@ -181,14 +193,20 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         True,
         _agility(belief, ahead, motion) if good else 1.0,
         best.shared,
-        _closeness_of_late(belief, best.evidence.closeness) if good else FADING * belief.closeness,
+        _closeness_of_late(belief, best.evidence.closeness) if good else _faded(belief),
+        beyond_doubt(belief, motion, best, sight, time) if good else belief.sure,
     )
 
 
 def _closeness_of_late(belief: Belief, closeness: float) -> float:
     """How closely edges should fit in the next frame; the first fit counts for half, as models differ in how well they are known."""
-    late = FADING * belief.closeness if belief.X_CO_given is None else math.sqrt(belief.closeness * closeness)
+    late = _faded(belief) if belief.X_CO_given is None else math.sqrt(belief.closeness * closeness)
     return max(late, closeness)
+
+
+def _faded(belief: Belief) -> float:
+    """The closeness of late, a frame later: blur and light change faster for an object that is shaken."""
+    return (FADING + (FADING_SHAKEN - FADING) * belief.agility) * belief.closeness
 
 
 def _agility(belief: Belief, ahead: Motion, motion: Motion) -> float:
@@ -242,10 +260,3 @@ def _learn(
     new = replace(new, shared=shared)
     lasting, learnt = ([k for k in keyframes if k.lasting is kind] for kind in (True, False))
     return (*lasting, *learnt[1 - LEARNT :], new)
-
-
-def _spread_px(ahead, sight):
-    """RMS px by which the model's corners may be off the prediction."""
-    J = point_jacobian(sight.model.corners, ahead.X_CO, sight.lens).reshape(-1, 6)
-    square = ((J @ ahead.covariance[:6, :6]) * J).sum() / len(sight.model.corners)
-    return float(np.sqrt(square)) if np.isfinite(square) else 0.0

@@ -18,6 +18,7 @@ WELL_PX, WELL_SHARE = 0.5, 0.7  # residual and share of edges of a pose that is 
 OVERRULE_PX = (4.0, 8.0)  # RMS of the corners: how far from a doubtful pose others are tried
 CERTAIN = 10.0  # significance of a texture that is hardly mistaken
 MUCH_CLOSER = 0.25  # of closeness: what the motion so far does not lead to must fit so much more closely
+AS_EXPECTED = 12.6  # squared Mahalanobis distance of six parameters that 95 % of motions stay below
 TIGHT = 0.65  # closeness of edges from which a rival found anywhere is taken
 AS_OF_LATE = 0.75  # share of the closeness of late from which edges fit as they should
 ELSEWHERE_PX = 1.0  # RMS of the corners: nearer, a rival is the same pose
@@ -57,26 +58,33 @@ def overrule(sight: Sight, best: Attempt, ahead: Motion, late: float, widely: bo
     return None
 
 
-def outdone(sight: Sight, best: Attempt, ahead: Motion, late: float, widely: bool) -> Attempt | None:
+def outdone(
+    sight: Sight, best: Attempt, ahead: Motion, late: float, widely: bool, lasting: bool = False
+) -> Attempt | None:
     """A rival of a pose whose edges fit much more closely than its own: where the motion leads, where its own edges lead if nothing else
     pulls, or, if asked to look widely, anywhere near. late: how closely its edges have fitted of late.
 
-    What is found anywhere near must fit more closely still: seen end on, few edges fit well in many places.
+    What is found anywhere near must fit more closely still: seen end on, few edges fit well in many places. It is not even looked for where
+    edges fit as of late already, unless doubt is lasting.
     """
     sight.expect(replace(ahead, X_CO=best.X_CO, covariance=at_rest(best.X_CO).covariance))
     expected, information = sight.ahead, sight.information
-    found = None
+    found, least = None, best.evidence.closeness
     ways = (lambda: sight.steady.X_CO, lambda: best.X_CO, lambda: closest(sight, best.X_CO))
     for n, rival in enumerate(ways[: 2 + widely]):
+        if n == 2 and not lasting and least > AS_OF_LATE * late:
+            break  # where the motion leads, edges fit as they should
         X, fit, matches = settle_on(sight, rival())
         evidence = weigh(matches, fit)
-        near = n < 2 or sight.goes_steadily(X)
-        gain, enough = (CLOSER, min(TIGHT, AS_OF_LATE * late)) if near else (MUCH_CLOSER, TIGHT)
         elsewhere = corner_shift(sight.model, sight.lens, X, best.X_CO) > ELSEWHERE_PX
-        if elsewhere and evidence.closeness >= max(best.evidence.closeness + gain, enough):
+        near = n < 2 or sight.goes_steadily(X, AS_EXPECTED)
+        gain = CLOSER if near and elsewhere else MUCH_CLOSER
+        enough = min(TIGHT, AS_OF_LATE * late) if near else TIGHT
+        if (elsewhere or n < 2) and evidence.closeness >= max(best.evidence.closeness + gain, enough):
             covariance = invert(fit.information - 0.999 * information)
-            found = Attempt(X, covariance, evidence, covariance @ fit.shared @ covariance, expected, prune=True)
+            found = Attempt(X, covariance, evidence, covariance @ fit.shared @ covariance, expected, prune=elsewhere)
             break
+        least = max(least, evidence.closeness)
     sight.expect(ahead)
     return found
 
