@@ -16,6 +16,13 @@ def test_likelihoods_agree_with_enumeration_and_hmmlearn():
     assert all(row[-1] < 1e-9 for row in table.rows)
 
 
+def test_gaps_that_are_told_cost_the_papers_models_fewer_letters():
+    (table,) = measure("gestures", ["gaps"], quick=True)
+    shares, untold, told, _, default = (np.array(column) for column in zip(*table.rows, strict=True))
+    assert shares[0] == 0.0 and untold[0] == told[0] > 90.0 and default[0] > 90.0
+    assert told[-1] > untold[-1] + 5.0
+
+
 def test_movements_are_judged_by_the_frames_they_cover():
     times = np.arange(100) / 25.0
     phases = np.repeat(["rest", "stroke", "hold", "stroke", "rest"], 20)
