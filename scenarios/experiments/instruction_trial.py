@@ -16,7 +16,8 @@ from vipr.systems.gestures.ways import ways
 TRAINING = (6, 500, 240)  # people, gestures, non-gestures
 SITTING = 25  # films, at most
 REST = 6  # frames of it that a film begins with, so that movements are cut out of it as out of a stream
-FALSE_REJECTION = 0.005  # by likelihood, which has little to find where idle hands and ways have models of their own
+# By likelihood, which has little to find where idle hands and ways have models of their own, and is lower for strangers' gestures
+FALSE_REJECTION = 1e-4
 TEST = (4, 320, 240)  # as in the paper: 320 sequences of four people who were not in training
 
 
