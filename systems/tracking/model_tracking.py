@@ -167,7 +167,7 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
         motion = update(best.ahead or ahead, best.X_CO, best.covariance)
     else:  # not seen: it may have slowed down or stopped
         motion = replace(ahead, V_CO=0.7 * ahead.V_CO)
-    if best.prune:
+    if best.prune and sight.settings.covered:
         keyframes = given_up(keyframes, motion.X_CO, sight)
     keyframes = tuple(k for k in keyframes if k.lasting or not any(k is wrong for wrong in best.against))
     if best.led_by is not None:
@@ -253,7 +253,7 @@ def _learn(
         evidence.by_edges if keyframes else evidence.score,
         evidence.sigma,
     )
-    if new is not None and keyframes:
+    if new is not None and keyframes and sight.settings.covered:
         new = uncovered(new, keyframes, motion.X_CO, sight)
     if new is None:
         return keyframes

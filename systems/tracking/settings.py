@@ -24,6 +24,7 @@ class TrackerSettings:
     dynamic_step: bool = True  # whose steps follow the velocity
     texture: bool = True  # patches learnt while tracking
     patches: int = 64  # of a keyframe
+    covered: bool = True  # patches that something covers are not learnt, and given up
     sharp: bool = True  # last pass with a sharp derivative: print beside an edge does not pull it
     colour: bool = True  # edges by the strongest colour channel; else by grey
     quantised_normals: bool = False  # the paper's 0, 45, 90, 135 degrees and whole pixels
