@@ -16,8 +16,8 @@ TABLES = {
         "starts, hard, calibration, following, loss, rendered, pursuit",
     ),
     "people": (
-        "Seeing people: Table I row by row, rendered rooms, changing light, real clips, skin pixels.",
-        "time, rooms, light, clips, pixels",
+        "Seeing people: Table I row by row, rendered rooms, changing light, real clips and variants of them, skin pixels.",
+        "time, rooms, light, clips, variants, pixels",
     ),
     "gestures": (
         "Gesture models: correctness and speed beside hmmlearn, real handwriting, real pauses.",

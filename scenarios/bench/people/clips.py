@@ -1,6 +1,7 @@
 """Hit rates on real clips against another tracker's centres, which are a reference with confidences and not the truth."""
 
 import csv
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -71,15 +72,20 @@ def score_clip(name: str, tracks: list[HandTracks], reference: list[dict]) -> li
     return result
 
 
-def run_clips(data: Path, options: SkinOptions = SkinOptions(), most: int | None = None) -> list[Hits]:
-    """Hits of every clip below ``data``/video that has a reference beside it."""
-    result = []
+def clips_with_reference(data: Path) -> Iterator[tuple[str, Path, list[dict]]]:
+    """Name, file and rows of the reference of every clip below ``data``/video that has one beside it."""
     for reference in sorted((data / "video").rglob("*.gt_mediapipe.csv")):
         clip = reference.name.removesuffix(".gt_mediapipe.csv")
         video = next(p for p in sorted(reference.parent.iterdir()) if p.stem == clip and p.suffix != ".csv")
-        rows = read_reference(reference)[:most]
-        tracks = follow_clip(video, options)[: len(rows)]
-        result += score_clip(clip, tracks, rows)
+        yield clip, video, read_reference(reference)
+
+
+def run_clips(data: Path, options: SkinOptions = SkinOptions(), most: int | None = None) -> list[Hits]:
+    """Hits of every clip that has a reference, in its first ``most`` frames."""
+    result = []
+    for clip, video, rows in clips_with_reference(data):
+        rows = rows[:most]
+        result += score_clip(clip, follow_clip(video, options)[: len(rows)], rows)
     return result
 
 

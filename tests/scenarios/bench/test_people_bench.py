@@ -6,6 +6,7 @@ import pytest
 from vipr.scenarios.bench.people.clips import score_clip
 from vipr.scenarios.bench.people.pixels import scores
 from vipr.scenarios.bench.people.rooms import BOOTSTRAP, RoomResult, judge, names_after_parting, summarise
+from vipr.scenarios.bench.people.variants import VARIANTS, moved
 from vipr.scenarios.people.scenes import KINDS, light_program, random_scene
 from vipr.systems.signals import HandTracks
 
@@ -32,6 +33,18 @@ def test_a_hit_is_near_enough_in_shoulder_widths_and_counts_where_the_reference_
     face, left = score_clip("clip", seen, rows)
     assert (face.part, face.visible, face.hits) == ("face", 2, 1) and face.median_error == pytest.approx(0.35)
     assert (left.part, left.visible, left.hits, left.either) == ("left", 2, 1, 2)
+
+
+@pytest.mark.parametrize("variant", VARIANTS.values(), ids=VARIANTS)
+def test_the_reference_of_a_variant_is_where_the_variant_puts_it(variant):
+    image = np.zeros((120, 160, 3), np.uint8)
+    image[57:64, 67:74] = 255
+    row = moved(reference(face=(70, 60, 0.9), lhand=(70, 60, 0.8)), variant, (160, 120))
+    y, x = np.nonzero(variant.picture(image).min(2) == variant.picture(image).max((0, 1)).min())
+    assert (row["face_x"], row["face_y"]) == pytest.approx((x.mean(), y.mean()), abs=0.6)
+    hand, other = ("rhand", "lhand") if variant.mirrored else ("lhand", "rhand")
+    assert row[f"{hand}_x"] == row["face_x"] and (row[f"{hand}_vis"], row[f"{other}_vis"]) == (0.8, 0.0)
+    assert row["shoulder_px"] == 100 * variant.scale
 
 
 def result(swapped, contact, n=80):
