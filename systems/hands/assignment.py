@@ -7,7 +7,8 @@ import numpy as np
 
 from vipr.systems.compiled import compiled
 from vipr.systems.hands import kalman
-from vipr.systems.hands.blobs import ends, pixels_of
+from vipr.systems.hands.arms import astray
+from vipr.systems.hands.blobs import pixels_of
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.parts import BARE, HEAD, SIGMA_N, Track, body_of, hand_before_face, in_neck
 
@@ -20,7 +21,6 @@ GATE = {
 }
 COASTS = 0.3  # s unseen, for which a hand's own track looks for its region
 COST_UNSEEN, COST_SHARED = 14.0, 7.0
-FORESHORTENED = 2.2  # times longer than wide: a bare arm that points at the camera is hardly longer, hands are shorter
 COST_ELBOW = 8.0  # by which the elbow of a bare arm is a height of the head farther from where it can be than if it were the other arm
 
 
@@ -99,10 +99,8 @@ def _elbows(tracks: dict, found: list[Candidate], labels: np.ndarray) -> dict:
     for i, r in enumerate(found):
         if r.cut or r.remnant or r.area < 8.0 * r.core[2]:
             continue
-        a, b, length, width = ends(pixels_of(labels, r.row))
-        if length > FORESHORTENED * width:
-            left, right = (bodies[name].elbow_astray((a, b)) for name in ("left", "right"))
-            more |= {("left", i): min(max(left - right, 0.0), 1.0), ("right", i): min(max(right - left, 0.0), 1.0)}
+        difference = astray(pixels_of(labels, r.row), bodies["left"], bodies["right"])
+        more |= {("left", i): max(difference, 0.0), ("right", i): max(-difference, 0.0)}
     return more
 
 

@@ -5,7 +5,7 @@ from itertools import permutations
 
 import numpy as np
 
-from vipr.systems.hands.blobs import HAND_LENGTH
+from vipr.systems.hands.arms import HAND_LENGTH
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.measurement import hand_of, head_of
 from vipr.systems.hands.parts import (

@@ -5,7 +5,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from vipr.systems.hands.blobs import arm_at_head
+from vipr.systems.hands.arms import arm_at_head
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.parts import Track, smallest_hand
 from vipr.systems.signals import SkinRegions

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from vipr.systems.hands import kalman
+from vipr.systems.hands.arms import Body, hand_end
 from vipr.systems.hands.assignment import GATE
-from vipr.systems.hands.blobs import Body, hand_end, head_in, pixels_of
+from vipr.systems.hands.blobs import head_in, pixels_of
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.merging import measure_shared
 from vipr.systems.hands.parts import SIGMA_N, Track, anew, body_of, hand_before_face

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from vipr.systems.hands import kalman
-from vipr.systems.hands.blobs import Body, far_end, pixels_of, split
+from vipr.systems.hands.arms import Body, far_end
+from vipr.systems.hands.blobs import pixels_of, split
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.parts import HEAD, SIGMA_N, Track
 

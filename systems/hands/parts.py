@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vipr.systems.hands import kalman
-from vipr.systems.hands.blobs import FOREARM, SHOULDER, Body
+from vipr.systems.hands.arms import FOREARM, SHOULDER, Body
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.kalman import Kalman
 

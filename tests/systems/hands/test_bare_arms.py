@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
+from vipr.systems.hands.arms import Body, arm_at_head, far_end
 from vipr.systems.hands.assignment import assign
-from vipr.systems.hands.blobs import Body, arm_at_head, far_end
 from vipr.systems.hands.candidates import Candidate
 from vipr.systems.hands.head_cut import cut_out_head
 from vipr.systems.hands.identities import doubt_face, settle_sides

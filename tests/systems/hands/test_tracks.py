@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from drawn_people import FACE, LEFT, RIGHT, waving
 
+from vipr.systems.hands.arms import Body, hand_end
 from vipr.systems.hands.births import look_for_better_face
-from vipr.systems.hands.blobs import Body, hand_end, head_in, split
+from vipr.systems.hands.blobs import head_in, split
 from vipr.systems.hands.candidates import candidates
 from vipr.systems.hands.identities import settle_face
 from vipr.systems.hands.kalman import start
@@ -254,3 +255,18 @@ def test_a_bare_arm_with_some_marks_is_no_head():
 def test_what_has_no_marks_is_no_face_only_for_being_on_top():
     things = [(80, 30, 9, 0.0), (50, 90, 6, 0.0), (110, 90, 6, 0.0), (80, 105, 6, 0.0)]
     assert not any(o.face_seen for o in track([things] * 40, moving=0.2))
+
+
+def test_a_mirrored_film_gives_the_mirrored_tracks_with_the_names_exchanged():
+    film = [waving(k, left=None if 20 < k < 30 else (116, 60 + k)) for k in range(45)]
+    there, mirror, seen = PeopleBelief(), PeopleBelief(), 0
+    for k, image in enumerate(film):
+        there = see_people(image, k / 25.0, k, there)
+        mirror = see_people(np.ascontiguousarray(image[:, ::-1]), k / 25.0, k, mirror)
+        a, b = there.tracks, exchanged(mirror.tracks)
+        for name in ("face", "left", "right"):
+            assert getattr(a, f"{name}_seen") == getattr(b, f"{name}_seen"), (name, k)
+            if getattr(a, f"{name}_seen"):
+                seen += 1
+                assert np.allclose(getattr(a, name), [159 - getattr(b, name)[0], getattr(b, name)[1]], atol=1.0), k
+    assert seen > 100
