@@ -13,7 +13,7 @@ from vipr.systems.camera.video_frames import open_video
 from vipr.systems.hands.pipeline import PeopleBelief, see_people
 from vipr.systems.skin.working_image import as_bgr
 
-SIDE, TOP = 0.05, 0.06  # of the picture, cut off by ``crop`` at either side and above
+SIDE, TOP = 0.05, 0.06  # of the picture, cut off by ``cropped`` at either side and above
 MARGIN = 0.2  # of its width, added at either side by ``beige margin``
 BEIGE = (150, 180, 205)  # BGR
 SMALLER = 0.9
