@@ -10,7 +10,7 @@ from vipr.scenarios.experiments.graffiti import ROWS, models
 from vipr.systems.gestures.trajectories import Trajectory
 
 SHARES = (0.0, 0.1, 0.2, 0.3, 0.4)  # of a letter's time, at a place by chance
-WRITERS, TIMES = 10, 4  # alphabets of each: half for training, half for test
+WRITERS, TIMES = 5, 6  # alphabets of each: half for training, half for test
 
 
 def run(bench) -> Iterator[Table]:
