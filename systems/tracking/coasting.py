@@ -9,12 +9,11 @@ from vipr.systems.tracking.belief import Belief, Sure
 from vipr.systems.tracking.diagnosis import weigh
 from vipr.systems.tracking.displacements import corner_shift, corner_spread
 from vipr.systems.tracking.motion_filter import Motion, predict, surprise
-from vipr.systems.tracking.overrule import AS_EXPECTED, CLOSER, ELSEWHERE_PX
+from vipr.systems.tracking.overrule import AS_EXPECTED, CLOSER, ELSEWHERE_PX, rival_attempt
 from vipr.systems.tracking.rivals import UNEXPECTED, settle_on
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.settings import TrackerSettings
 from vipr.systems.tracking.sight import Attempt, Sight
-from vipr.systems.tracking.small_algebra import invert
 
 COASTING = 0.4  # s, how long an object may be thought to have moved on as it did
 STEADY = 0.5  # agility up to which its motion may be thought to go on
@@ -40,23 +39,22 @@ def coast(belief: Belief, time: float, settings: TrackerSettings) -> Motion | No
     return predict(sure.motion, time - sure.time, spin, speed)
 
 
-def coasted(sight: Sight, best: Attempt, coast: Motion) -> Attempt | None:
+def coasted(sight: Sight, best: Attempt, coasting: Motion) -> Attempt | None:
     """Where an object would be that has moved on as when it was last seen beyond doubt, if its edges fit there and the best attempt's do
     not fit more closely than they would have to, to be believed in spite of that motion.
 
     Seen end on, a box shows one face: it may have turned either way, and the wrong one is as good until its sides are seen.
     """
     ahead = sight.ahead
-    sight.expect(coast)
+    sight.expect(coasting)
     information, found = sight.information, None
-    least = best.evidence.closeness - _unexpected(coast, best.X_CO) + (0.0 if best.led_by is None else CLOSER)
-    for start in (lambda: coast.X_CO, lambda: attempt(sight, coast.X_CO, None, 1, near=True).X_CO):
+    least = best.evidence.closeness - _unexpected(coasting, best.X_CO) + (0.0 if best.led_by is None else CLOSER)
+    for start in (lambda: coasting.X_CO, lambda: attempt(sight, coasting.X_CO, None, 1, near=True).X_CO):
         X, fit, matches = settle_on(sight, start())
         evidence = weigh(matches, fit)
-        merit = evidence.closeness - _unexpected(coast, X)
+        merit = evidence.closeness - _unexpected(coasting, X)
         if merit >= least and corner_shift(sight.model, sight.lens, X, best.X_CO) > ELSEWHERE_PX:
-            covariance = invert(fit.information - 0.999 * information)
-            found = Attempt(X, covariance, evidence, covariance @ fit.shared @ covariance, coast, prune=True)
+            found = rival_attempt(X, fit, evidence, coasting, information, prune=True)
             least = merit
     sight.expect(ahead)
     return found

@@ -8,6 +8,7 @@ from vipr.systems.tracking.diagnosis import Evidence, weigh
 from vipr.systems.tracking.displacements import corner_information, corner_shift, move
 from vipr.systems.tracking.edge_pass import about, edge_pass
 from vipr.systems.tracking.motion_filter import Motion, at_rest
+from vipr.systems.tracking.pose_fit import Fit
 from vipr.systems.tracking.rivals import closest, settle_on
 from vipr.systems.tracking.search import attempt
 from vipr.systems.tracking.sight import Attempt, Sight
@@ -81,12 +82,19 @@ def outdone(
         gain = CLOSER if near and elsewhere else MUCH_CLOSER
         enough = min(TIGHT, AS_OF_LATE * late) if near else TIGHT
         if (elsewhere or n < 2) and evidence.closeness >= max(best.evidence.closeness + gain, enough):
-            covariance = invert(fit.information - 0.999 * information)
-            found = Attempt(X, covariance, evidence, covariance @ fit.shared @ covariance, expected, prune=elsewhere)
+            found = rival_attempt(X, fit, evidence, expected, information, prune=elsewhere)
             break
         least = max(least, evidence.closeness)
     sight.expect(ahead)
     return found
+
+
+def rival_attempt(
+    X_CO: np.ndarray, fit: Fit, evidence: Evidence, expected: Motion, information: np.ndarray, prune: bool
+) -> Attempt:
+    """An attempt of a pose that edges alone have settled on, weighed against a motion expected with this information (6, 6) of its pose."""
+    covariance = invert(fit.information - 0.999 * information)
+    return Attempt(X_CO, covariance, evidence, covariance @ fit.shared @ covariance, expected, prune=prune)
 
 
 def _if_better(other, best, sight, late):
