@@ -28,7 +28,8 @@ PROMISING = 0.75  # share of the best agreement so far below which a draw is giv
 APART = 0.5  # px RMS of the nodes between rivals
 KEPT = 8  # rivals
 ROUNDS = 3  # at most; each starts from the best of the one before
-BETTER = 0.03  # of merit: a pose that is clearly to be preferred
+BETTER = 0.1  # of merit: a rival that is clearly to be preferred; where the model is not exact, wrong poses fit a little closer too
+NUDGE_BETTER = 0.03  # of merit: the same pose, a little moved
 EXACT = 0.1  # px: residuals of edges that lie where they seem to, and not of a line of print beside them
 NUDGE_PX = 0.7  # RMS of the corners: how far nudges are
 UNEXPECTED = 0.015  # of merit, lost for each unit of the squared Mahalanobis distance from what was expected
@@ -74,7 +75,7 @@ def nudged(sight: Sight, X_CO: np.ndarray) -> np.ndarray:
     settled += [settle_on(sight, move(X_CO, NUDGE_PX * way)) for way in (*weakest.T, *-weakest.T)]
     merits = [0.5 * (_merit(sight, *one) + _exactness(one[1])) for one in settled]
     best = int(np.argmax(merits))
-    return settled[best][0] if merits[best] > merits[0] + BETTER else X_CO
+    return settled[best][0] if merits[best] > merits[0] + NUDGE_BETTER else X_CO
 
 
 def _exactness(fit: Fit) -> float:
