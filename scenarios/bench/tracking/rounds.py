@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from vipr.scenarios.bench.tables import Table
-from vipr.scenarios.bench.tracking.workbench import OFF, RATE, ROUNDS, Run, Workbench
+from vipr.scenarios.bench.tracking.workbench import OFF, RATE, ROUNDS, WRONG_DEG, WRONG_MM, Run, Workbench, wrong
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems import se3
 from vipr.systems.tracking.settings import TrackerSettings
 
-WRONG_MM, WRONG_DEG = 20.0, 5.0
 FAR_MM = 8.0  # depth by which a pose is wrong
 FRAMES = 10
 VARIANTS = {"": TrackerSettings(), ", no rivals": replace(TrackerSettings(), rivals=False)}
@@ -25,12 +24,6 @@ def standing(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     for rotation in ([0, 0, roll], [above, 0, 0], [0.5 * np.pi, 0, 0], [0, 0, yaw]):
         turn = turn @ se3.exp_so3(np.array(rotation, float))
     return turn, np.array([*rng.uniform(-0.15, 0.15, 2) * (1.0, 0.7), rng.uniform(1.6, 2.4)])
-
-
-def wrong(X_CO: np.ndarray, centre_O: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """The pose moved by WRONG_MM and turned by WRONG_DEG about its centre, each in a direction drawn at random."""
-    shift, axis = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
-    return trajectories.displaced(X_CO, np.radians(WRONG_DEG) * axis, 1e-3 * WRONG_MM * shift, centre_O)
 
 
 def run(bench: Workbench) -> Iterator[Table]:

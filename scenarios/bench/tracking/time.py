@@ -1,4 +1,4 @@
-"""Time a frame takes: in all, by step, with the number of nodes and with the size of the image. One thread."""
+"""Time a frame takes: in all, by step, with the number of nodes and with the size of the image, and of a first frame. One thread."""
 
 import inspect
 import sys
@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from vipr.scenarios.bench.tables import Table
-from vipr.scenarios.bench.tracking.workbench import BOXES, RATE, UNPRINTED, XC77, Workbench
+from vipr.scenarios.bench.tracking.workbench import BOXES, RATE, UNPRINTED, WRONG_DEG, WRONG_MM, XC77, Workbench, wrong
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems.camera.lens import Lens
@@ -21,6 +21,7 @@ from vipr.systems.tracking.settings import TrackerSettings
 
 REPEATS = 5
 STEPS = 14  # shown
+STARTS = 10
 WHOLE = (start, step)
 
 
@@ -83,6 +84,7 @@ def _tables(bench):
             (f"{lens.width}x{lens.height}", lens.width * lens.height / 1e6, float(np.median(result.ms[3:])))
         )
     yield sizes
+    yield _first(bench, {name: frames[name] for name in BOXES})
 
 
 def scaled(lens: Lens, scale: float) -> Lens:
@@ -103,6 +105,26 @@ def _frames(bench, name, lens, length):
         bench.at(name), model.corners, lens, seed=3, pixels_per_frame=8.0, duration=length / RATE, centre_O=model.centre
     )
     return bench.render(name, moving, length, Conditions(samples=2), lens=lens, seed=3)
+
+
+def _first(bench, frames):
+    """The first frame after a pose was given from outside."""
+    table = Table(
+        "Time of a first frame at 640x480, ms",
+        ("object", "start", "median", "max"),
+        note=f"{STARTS} frames each; a wrong start is {WRONG_MM:g} mm and {WRONG_DEG:g} degrees off.",
+    )
+    rng = np.random.default_rng(bench.seed)
+    for name, seen in frames.items():
+        chosen = seen[:: len(seen) // STARTS][:STARTS]
+        centre = bench.model(name).centre
+        for how, starts in (("right", [X for _, X in chosen]), ("wrong", [wrong(X, centre, rng) for _, X in chosen])):
+            bench.progress(f"time: {name}, {how} starts")
+            ms = [
+                bench.track(name, [one], count=False, X_CO_start=X).ms[0] for one, X in zip(chosen, starts, strict=True)
+            ]
+            table.rows.append((name, how, float(np.median(ms)), max(ms)))
+    return table
 
 
 @contextmanager

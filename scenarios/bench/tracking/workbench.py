@@ -11,6 +11,7 @@ import numpy as np
 
 import vipr.models
 from vipr.scenarios.bench.benchmark import Bench
+from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions, sequence
 from vipr.scenarios.sequences.renderer import SequenceRenderer
 from vipr.scenarios.sequences.scenery import Mesh
@@ -30,11 +31,18 @@ UNPRINTED = " (unprinted)"  # the same object in one colour: no print beside its
 OBJECTS = (*BOXES, *(name + UNPRINTED for name in (*BOXES, "can")))
 ROUNDS = ("can", "mug", "bottle")  # as they are printed
 RATE = 25.0  # images/s
+WRONG_MM, WRONG_DEG = 20.0, 5.0  # of a start that is not right
 OFF = 5.0  # px RMS of the corners: a pose that is wrong, if not lost
 UPRIGHT = (
     se3.exp_so3(np.array([0.3, 0, 0])) @ se3.exp_so3(np.array([0, 0.6, 0])) @ se3.exp_so3(np.array([np.pi / 2, 0, 0]))
 )
 Frames = list[tuple[CameraFrame, np.ndarray]]
+
+
+def wrong(X_CO: np.ndarray, centre_O: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """The pose moved by WRONG_MM and turned by WRONG_DEG about its centre, each in a direction drawn at random."""
+    shift, axis = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
+    return trajectories.displaced(X_CO, np.radians(WRONG_DEG) * axis, 1e-3 * WRONG_MM * shift, centre_O)
 
 
 @dataclass

@@ -9,7 +9,7 @@ import pytest
 from vipr.scenarios.bench.benchmark import Bench, measure
 from vipr.scenarios.bench.tables import Table, print_json, print_tables
 from vipr.scenarios.bench.tracking import accuracy, loss, parts, rounds
-from vipr.scenarios.bench.tracking.workbench import Run, Workbench, without_spin
+from vipr.scenarios.bench.tracking.workbench import WRONG_DEG, WRONG_MM, Run, Workbench, without_spin, wrong
 from vipr.scenarios.sequences import trajectories
 from vipr.scenarios.sequences.rendered import Conditions
 from vipr.systems import se3
@@ -69,10 +69,10 @@ def test_starts_of_round_objects_are_wrong_by_what_is_said(bench):
     rng, centre = np.random.default_rng(1), bench.model("mug").centre
     turn, place = rounds.standing(rng)
     X = bench.at("mug", turn=turn, place=place)
-    X_wrong = rounds.wrong(X, centre, rng)
+    X_wrong = wrong(X, centre, rng)
     off = (X_wrong - X)[:3, :3] @ centre + (X_wrong - X)[:3, 3]
-    np.testing.assert_allclose(1e3 * np.linalg.norm(off), rounds.WRONG_MM)
-    np.testing.assert_allclose(np.degrees(se3.angle_between(X_wrong, X)), rounds.WRONG_DEG)
+    np.testing.assert_allclose(1e3 * np.linalg.norm(off), WRONG_MM)
+    np.testing.assert_allclose(np.degrees(se3.angle_between(X_wrong, X)), WRONG_DEG)
     assert 5 < np.degrees(np.arcsin(-X[2, 2])) < 41  # the axis, seen from above, leans towards the camera
 
 
