@@ -179,22 +179,22 @@ def _conclude(belief: Belief, ahead: Motion, best: Attempt, sight: Sight, time: 
     ):
         keyframes = _learn(keyframes, motion, best.shared, sight, best.evidence, belief.closeness)
     return Belief(
-        motion,
-        state,
-        score,
-        best.evidence.nodes,
-        best.evidence.sigma,
-        time,
-        number,
-        keyframes,
-        belief.X_CO_given if not good and belief.X_CO_given is not None and score < LOST else None,
-        motion.X_CO if good else belief.X_CO_good,
-        0 if good else belief.doubtful + 1,
-        True,
-        _agility(belief, ahead, motion) if good else 1.0,
-        best.shared,
-        _closeness_of_late(belief, best.evidence.closeness) if good else _faded(belief),
-        beyond_doubt(belief, motion, best, sight, time) if good else belief.sure,
+        motion=motion,
+        state=state,
+        score=score,
+        nodes=best.evidence.nodes,
+        residual_px=best.evidence.sigma,
+        time=time,
+        number=number,
+        keyframes=keyframes,
+        X_CO_given=belief.X_CO_given if belief.X_CO_given is not None and not good and score < LOST else None,
+        X_CO_good=motion.X_CO if good else belief.X_CO_good,
+        doubtful=0 if good else belief.doubtful + 1,
+        started=True,
+        agility=_agility(belief, ahead, motion) if good else 1.0,
+        shared=best.shared,
+        closeness=_closeness_of_late(belief, best.evidence.closeness) if good else _faded(belief),
+        sure=beyond_doubt(belief, motion, best, sight, time) if good else belief.sure,
     )
 
 
