@@ -14,7 +14,7 @@ from vipr.systems.skin import colour_model, scene
 from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup, quiet
 from vipr.systems.skin.classifier import SkinOptions, classify, without_still
 from vipr.systems.skin.colour_model import ColourModel, initial_model, possible_table
-from vipr.systems.skin.density import components, density
+from vipr.systems.skin.density import DENSE, NEIGHBOURHOOD, components, density
 from vipr.systems.skin.first_light import LightSearch, face_seen, first_light, light_again
 from vipr.systems.skin.learning import histogram_of_rest, learn
 from vipr.systems.skin.regions import Found, describe
@@ -91,9 +91,9 @@ def see_skin(
     if options.still_scene:
         skin = without_still(skin, stood)
     mark("segmentation")
-    dense = density(skin, odd(3.4 * u))
+    dense = density(skin, odd(NEIGHBOURHOOD * u))
     mark("density")
-    labels, _, boxes = components(dense, 120, 8.0 * u * u, options.most_regions)
+    labels, _, boxes = components(dense, DENSE, 8.0 * u * u, options.most_regions)
     mark("components")
     found = describe(labels, boxes, skin, colours.luma, still)
     mark("description")

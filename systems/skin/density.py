@@ -4,6 +4,10 @@ import cv2
 import numpy as np
 
 from vipr.systems.compiled import compiled
+from vipr.systems.skin.working_image import odd, unit
+
+NEIGHBOURHOOD = 3.4  # px at 160 x 120: side of the neighbourhood
+DENSE = 120  # of 255: density above which a pixel is of a region
 
 
 def density(skin: np.ndarray, size: int) -> np.ndarray:
@@ -23,6 +27,12 @@ def components(dense: np.ndarray, threshold: int, smallest: float, most: int):
     rename = np.zeros(n, np.uint8)
     rename[order] = np.arange(1, len(order) + 1)
     return _labels(runs, rename, dense.shape), areas[order].astype(float), boxes[order].astype(float)
+
+
+def large_patches(skin: np.ndarray):
+    """``components`` of a skin map (h, w) uint8 that could be heads: the six largest of at least 40 px at 160 x 120."""
+    u = unit(skin.shape)
+    return components(density(skin, odd(NEIGHBOURHOOD * u)), DENSE, 40.0 * u * u, 6)
 
 
 @compiled

@@ -13,11 +13,10 @@ from vipr.systems.skin import colour_model, scene
 from vipr.systems.skin.chromaticity import Chromaticity, chromaticity, lookup, nearest_index
 from vipr.systems.skin.classifier import SkinOptions, classify, without_still
 from vipr.systems.skin.colour_model import initial_model, usual_table
-from vipr.systems.skin.density import components, density
+from vipr.systems.skin.density import large_patches
 from vipr.systems.skin.learning import SURE_FACE, histogram_of_rest
 from vipr.systems.skin.regions import Found, describe
 from vipr.systems.skin.scene import Scene
-from vipr.systems.skin.working_image import odd, unit
 
 KELVINS = (WHITE_KELVIN, 3000.0, 3600.0, 4300.0, 6200.0, 7600.0)  # the first is the light that is believed
 # Looks of a face by which others must beat it: in one frame, over several guesses.
@@ -103,13 +102,13 @@ def _bluest(small: np.ndarray) -> float:
 
 def _look(small: np.ndarray, gains: np.ndarray, still: Scene | None) -> float:
     """0 to 1, how much some region under these gains looks like a face, without what always stood there if that is known."""
-    u, colours = unit(small.shape), chromaticity(small, gains)
+    colours = chromaticity(small, gains)
     room = scene.new_scene(colours) if still is None else still
     rest = histogram_of_rest(colours, colours.bright, room)
     skin = classify(small, colours, colour_model.adapt(initial_model(), np.zeros_like(rest), rest, 0.3), SkinOptions())
     if still is not None:
         skin = without_still(skin, scene.stood(colours, still))
-    labels, areas, boxes = components(density(skin, odd(3.4 * u)), 120, 40.0 * u * u, 6)
+    labels, areas, boxes = large_patches(skin)
     if not len(areas):
         return 0.0
     found = describe(labels, boxes, skin, colours.luma, room)

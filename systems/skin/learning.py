@@ -10,10 +10,9 @@ from vipr.systems.signals import HandTracks
 from vipr.systems.skin import colour_model, scene
 from vipr.systems.skin.chromaticity import G_BINS, R_BINS, Chromaticity, histogram, lookup
 from vipr.systems.skin.colour_model import doubt_table
-from vipr.systems.skin.density import components, density
+from vipr.systems.skin.density import large_patches
 from vipr.systems.skin.regions import Found, describe
 from vipr.systems.skin.scene import Scene
-from vipr.systems.skin.working_image import odd, unit
 
 SURE_FACE = 0.25  # looks of a face, from which the person is known
 SOME_MARKS, COMPACT = 0.1, 2.2  # of a head that is not known yet; its area over that of the largest disc in it
@@ -81,8 +80,7 @@ def sleeping_head(by_colour: np.ndarray, colours: Chromaticity, still: Scene, fo
     top = found.centres[moves, 1].min()
     if ((found.faceness > SURE_FACE) & (found.centres[:, 1] <= top)).any():
         return None
-    u = unit(by_colour.shape)
-    labels, _, boxes = components(density(by_colour, odd(3.4 * u)), 120, 40.0 * u * u, 6)
+    labels, _, boxes = large_patches(by_colour)
     asleep = describe(labels, boxes, by_colour, colours.luma, replace(still, sure=np.zeros_like(still.sure)))
     wide = asleep.cores[:, 2] > 0.9 * found.cores[moves, 2].max()  # heads are wider than hands
     calm = (asleep.moving < 0.1) & (asleep.centres[:, 1] < top)
