@@ -82,7 +82,7 @@ def _possible_hands(free: list[Candidate], face: Track | None, u: float) -> list
             if neck or r.headlike > HEAD + 0.07 or (r.remnant and r.moving < 0.3) or (still and r.person < 0.28):
                 return False
             size = smallest_hand(face, 0.15, u) < r.area < (3.0 if still else 6.0) * face.area
-            return size and np.hypot(dx, dy) < 14.5 and (not still or _hangs(r, face))
+            return size and np.hypot(dx, dy) < 14.5 and (not still or hangs(r, face))
 
         hands = [r for r in free if possible(r)]
     return sorted(hands, key=lambda r: -r.person * np.sqrt(r.area))
@@ -123,7 +123,7 @@ def _cut(face: Track) -> float:
     return CUT_HEAD if face.filter.y < 0.55 * face.head_height else 1.0
 
 
-def _hangs(r: Candidate, face: Track) -> bool:
+def hangs(r: Candidate, face: Track) -> bool:
     """Whether a still region is where a hanging arm or resting hand would be."""
     head = face.head_height * _cut(face)
     across, down = abs(r.centre[0] - face.filter.x) / head, (r.centre[1] - face.filter.y) / head

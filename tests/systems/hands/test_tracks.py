@@ -8,7 +8,7 @@ import pytest
 from drawn_people import FACE, LEFT, RIGHT, waving
 
 from vipr.systems.hands.arms import Body, hand_end
-from vipr.systems.hands.births import look_for_better_face
+from vipr.systems.hands.births import hangs, look_for_better_face
 from vipr.systems.hands.blobs import head_in, split
 from vipr.systems.hands.candidates import candidates
 from vipr.systems.hands.identities import settle_face
@@ -160,6 +160,13 @@ def test_still_things_beside_a_face_are_no_hands():
     out = track([[HEAD, (130, 40, 8, 0.0)]] * 10, moving=0.0)[-1]
     assert out.face_seen and not out.left_seen and not out.right_seen
     assert np.isnan(out.left).all() and np.isnan(out.right).all()
+
+
+@pytest.mark.parametrize(("y", "as_a_hand_hangs"), [(4.0, True), (20.0, False)])
+def test_a_head_that_the_upper_border_cuts_is_larger_than_it_looks(y, as_a_hand_hangs):
+    face = Track(start(80.0, y, 0.8, 20.0), 150.0, hits=40, headlike=0.6)
+    (hand,) = candidates(regions(0, [(105, y + 5.5 * face.head_height, 5, 0.0)], moving=0.0), {})
+    assert hangs(hand, face) == as_a_hand_hangs
 
 
 def test_the_face_moves_to_where_one_is_found():
