@@ -21,7 +21,7 @@ TABLES = {
     ),
     "gestures": (
         "Gesture models: correctness and speed beside hmmlearn, real handwriting, real pauses.",
-        "likelihoods, speed, handwriting, phases",
+        "likelihoods, speed, gaps, handwriting, phases",
     ),
     "arm": (
         "The arm: clearance against the real model's distances, limits under wild twists, stopping, time.",
