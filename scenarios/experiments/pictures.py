@@ -35,9 +35,8 @@ def rejection_picture(
     """Write the curve of false acceptance over false rejection (percent) with the working point ``here``."""
     figure, axes = _figure(4.6)
     axes.plot(false_rejection, false_acceptance, color="0.2")
-    axes.plot(
-        *here, "o", color="tab:red", label=f"threshold in use: {here[1]:.1f} % accepted, {here[0]:.1f} % rejected"
-    )
+    label = f"threshold in use: {here[1]:.1f} % accepted, {here[0]:.1f} % rejected"
+    axes.plot(*here, "o", color="tab:red", label=label, clip_on=False, zorder=5)
     axes.set(
         xlabel="gestures rejected [%]", ylabel="non-gestures accepted [%]", xlim=(0, 20), ylim=(0, 20), title=title
     )
